@@ -7,7 +7,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from selforg.arrays import SCRATCH, Flags, Floats
-from selforg.compiler.records import Recording
+from selforg.compiler.records import Packed, opening
 
 
 class Commanded(NamedTuple):
@@ -29,8 +29,7 @@ class Moved(NamedTuple):
     active: Annotated[Flags, "N", SCRATCH]  # whether there is a movement
 
 
-COMMANDED, MOVED = Recording(Commanded), Recording(Moved)
-open_commanded, open_moved = COMMANDED.open, MOVED.open
+open_commanded, open_moved = opening(Commanded), opening(Moved)
 
 
 class Commands:
@@ -46,7 +45,7 @@ class Commands:
     def __init__(self, rows: int, dim: int) -> None:
         self.wishes = np.zeros((rows, dim))
         no_flags = np.zeros(rows, dtype=np.bool_)
-        self.packed = COMMANDED.pack(Commanded(np.zeros((rows, dim)), no_flags, no_flags.copy()))
+        self.packed = Packed(Commanded(np.zeros((rows, dim)), no_flags, no_flags.copy()))
         self.vectors, self.commanded, self.in_place = self.packed.record
 
     def clear(self) -> None:

@@ -19,7 +19,7 @@ from clean_swarm_env.world.mission_end import RUNNING, TIME_OVER, mission_state
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints
 from selforg.compiler.decorators import lean_kernel, long_kernel
-from selforg.compiler.records import Handle, Packed, Recording, Written
+from selforg.compiler.records import Handle, Packed, Written, opening
 from selforg.declared import arrays_of
 from selforg.network.state import EXECUTING, RowStates, open_states
 from selforg.program import COUNTING, FINISHING, Rows, Step
@@ -66,9 +66,7 @@ class Followed(NamedTuple):
     acted: Annotated[Flags, "R C", SCRATCH]  # whether each of these ran in the period
 
 
-PERIOD_RECORD = Recording(Period)
-FOLLOWED_RECORD = Recording(Followed)
-open_period, open_followed = PERIOD_RECORD.open, FOLLOWED_RECORD.open
+open_period, open_followed = opening(Period), opening(Followed)
 
 
 class MissionCounts:
@@ -132,10 +130,10 @@ class MissionProgress:
         count, rows, achievements = worlds.worlds, worlds.rows, len(worlds.task.achievements)
         coordinated = np.array([coordinator.index for coordinator in worlds.coordinators], dtype=np.int64)
         sizes = {"E": achievements + len(EVENTS), "A": achievements, "R": rows, "W": count, "C": len(coordinated)}
-        self.period = PERIOD_RECORD.pack(Period(**arrays_of(Period, **sizes)))
+        self.period = Packed(Period(**arrays_of(Period, **sizes)))
         self.events, self.team, self.ticks, self.outcome, self.took_part = self.period.record[:5]
         self.cost, self.price, self.bumps = self.period.record[5:]
-        self._followed = FOLLOWED_RECORD.pack(
+        self._followed = Packed(
             Followed(
                 working=worlds.team.working,
                 limits=worlds.world.limits,

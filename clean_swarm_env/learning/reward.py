@@ -37,7 +37,7 @@ from selector.documents.imported import imported, registered
 from selector.documents.trust import is_import
 from selforg.arrays import READ, Floats
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Handle, Recording
+from selforg.compiler.records import Handle, Packed, opening
 from selforg.plugins import contract
 from selforg.registry import Registry
 
@@ -164,8 +164,7 @@ class Prices(NamedTuple):
     shared: float
 
 
-PRICES_RECORD = Recording(Prices)
-open_prices = PRICES_RECORD.open
+open_prices = opening(Prices)
 
 
 class Rewards:
@@ -191,7 +190,7 @@ class Rewards:
         paid: dict[str, float] = chosen.model_dump()
         self.weights = paid
         own = [*(paid[name] for name in counted_by(task)[1]), paid["collision"]]
-        self.prices = PRICES_RECORD.pack(
+        self.prices = Packed(
             Prices(
                 own=np.array([*own, paid["contact"] * worlds.period, paid["avoiding"] * worlds.period]),
                 team=np.array([paid.get(achievement.name, 0.0) for achievement in task.achievements]),

@@ -18,7 +18,7 @@ from clean_swarm_env.physics.motion import COPY_OFFSETS, NOBODY_TOUCHES, RobotMo
 from selforg.arrays import READ, Ints
 from selforg.compiler.decorators import part
 from selforg.compiler.intrinsics import LLVM, Compiler
-from selforg.compiler.records import Handle, Recording, Written
+from selforg.compiler.records import Handle, Written, opening
 from selforg.compiler.switches import LEAN
 from selforg.walls.segments import Walls, open_walls
 
@@ -49,8 +49,7 @@ class Chipmunk(NamedTuple):
     functions: Annotated[Ints, "NAMES", READ]  # all zero where compiled code cannot call them
 
 
-CHIPMUNK = Recording(Chipmunk)
-open_chipmunk = CHIPMUNK.open
+open_chipmunk = opening(Chipmunk)
 
 
 def call_c(function: int, arguments: tuple[float, ...]) -> None:

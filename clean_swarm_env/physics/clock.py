@@ -8,7 +8,7 @@ import numpy as np
 
 from selforg.arrays import CLOCKED, READ, SCRATCH, Ints
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Handle, Recording
+from selforg.compiler.records import Handle, Packed, opening
 from selforg.program import AFTER_MOVING, Rows, Step
 
 CLOCK_GRID: Final = 2.0**-30
@@ -22,8 +22,7 @@ class Ticks(NamedTuple):
     begun: Annotated[Ints, "W", READ]  # tick at which each world was reset
 
 
-TICKS = Recording(Ticks)
-open_ticks = TICKS.open
+open_ticks = opening(Ticks)
 
 
 class Clock:
@@ -45,7 +44,7 @@ class Clock:
         # See docs/decisions/0006-buffer-clock.md.
         self.length = float(np.ceil(period / CLOCK_GRID) * CLOCK_GRID)
         self._begun = np.zeros(worlds, dtype=np.int64)
-        self.packed = TICKS.pack(Ticks(np.zeros(1, dtype=np.int64), self._begun))
+        self.packed = Packed(Ticks(np.zeros(1, dtype=np.int64), self._begun))
 
     @property
     def tick(self) -> int:

@@ -12,7 +12,7 @@ import numpy as np
 from clean_swarm_env.physics.cells import NOBODY, cell_at, cell_beside, cells_along, fill_cells
 from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints, derived
 from selforg.compiler.decorators import inlined, lean_kernel
-from selforg.compiler.records import Packed, Recording, Written
+from selforg.compiler.records import Packed, Written, opening
 from selforg.declared import arrays_of
 from selforg.space import nearest_image
 
@@ -45,8 +45,7 @@ class Counts(NamedTuple):
     origins: Annotated[Floats, "L 2", SCRATCH]  # positions when the pairs were listed [m]
 
 
-COLLISION_COUNTS = Recording(Counts)
-open_counts = COLLISION_COUNTS.open
+open_counts = opening(Counts)
 
 
 class CollisionCounter:
@@ -87,7 +86,7 @@ class CollisionCounter:
         furthest = max(distances) + 2.0 * float(wider.max(initial=0.0))
         shape = cells_along(robots if robots > ALL_PAIRS_LIMIT else 0, 2.0 * furthest, extent)
         room = robots if shape[0] else 0
-        self.packed: Packed[Counts] = COLLISION_COUNTS.pack(
+        self.packed: Packed[Counts] = Packed(
             Counts(
                 distances=np.array(distances, dtype=np.float64),
                 squares=np.square(np.array(distances, dtype=np.float64)),

@@ -9,7 +9,6 @@ import pymunk
 from pymunk._chipmunk_cffi import ffi, lib
 
 from clean_swarm_env.physics.chipmunk_calls import (
-    CHIPMUNK,
     COLLISION_SLOP,
     COPY_CATEGORY,
     COPY_MASK,
@@ -36,7 +35,7 @@ WALL: Final = pymunk.ShapeFilter(categories=WALL_CATEGORY, mask=WALL_MASK)
 def chipmunk_functions(called: bool = CALLED) -> Packed[Chipmunk]:
     """Return the addresses of Chipmunk's functions in this process, zeros where Python makes the calls."""
     found = [int(ffi.cast("intptr_t", ffi.addressof(lib, name))) if called else 0 for name in NAMES]
-    return CHIPMUNK.pack(Chipmunk(np.array(found)))
+    return Packed(Chipmunk(np.array(found)))
 
 
 class ContactSpace:

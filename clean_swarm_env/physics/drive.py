@@ -8,7 +8,7 @@ import numpy as np
 from clean_swarm_env.physics.motion import wrapped_angle
 from selforg.arrays import CLOCKED, KEPT, READ, Flags, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Packed, Recording, Written
+from selforg.compiler.records import Packed, Written, opening
 from selforg.elementary import direction, length_of
 
 TIMEOUT_TOLERANCE: Final = 1e-9  # [s]; sums of control periods miss a whole second by less than this
@@ -28,8 +28,7 @@ class DriveState(NamedTuple):
     command_timeout: Annotated[Floats, "R", READ]  # time without a command after which a robot stops [s]
 
 
-DRIVE = Recording(DriveState)
-open_drive = DRIVE.open
+open_drive = opening(DriveState)
 
 
 class DifferentialDrive:
@@ -63,7 +62,7 @@ class DifferentialDrive:
         settings = max_speed, max_turn_rate, turn_gain, turn_in_place_beyond, command_timeout
         limits = [np.full(rows, setting, dtype=np.float64) for setting in settings]
         self.max_speed = limits[0]
-        self.packed: Packed[DriveState] = DRIVE.pack(
+        self.packed: Packed[DriveState] = Packed(
             DriveState(np.zeros(rows), np.zeros(rows), np.zeros(rows), np.ones((rows, 2)), *limits)
         )
         self.speed, self.turn_rate, self._commanded_at, self.grip = self.packed.record[:4]

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from clean_swarm_env.physics.cells import NOBODY, cell_at, cell_beside, fill_cells
 from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints
 from selforg.compiler.decorators import inlined, lean_kernel
-from selforg.compiler.records import Handle, Recording, Written
+from selforg.compiler.records import Handle, Written, opening
 from selforg.elementary import sine_cosine
 from selforg.space import nearest_image, wrapped
 from selforg.walls.segments import Walls, cell_of_walls, open_walls, to_segment, touches_wall
@@ -62,8 +62,7 @@ class RobotMotion(NamedTuple):
     stiffness: float  # force by missing velocity [kg/s]; a robot has 1 kg, because their mass has no effect
 
 
-ROBOT_MOTION = Recording(RobotMotion)
-open_robot_motion = ROBOT_MOTION.open
+open_robot_motion = opening(RobotMotion)
 
 
 @inlined

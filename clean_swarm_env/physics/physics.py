@@ -27,7 +27,6 @@ from clean_swarm_env.physics.motion import (
     NOBODY_TOUCHES,
     PARTS,
     PERSISTENCE,
-    ROBOT_MOTION,
     SEARCH_PAIRS,
     SKIN,
     RobotMotion,
@@ -104,7 +103,7 @@ class Physics:
             search = SEARCH_PAIRS if robots <= PAIR_SEARCH_LIMIT else ALWAYS_TOUCHING
         extent = np.array([settings.width, settings.height], dtype=np.float64)
         lines, columns = np.maximum(cells_along(robots, 2.0 * largest * (1.0 + SKIN), extent), 1).tolist()
-        self.motion: Packed[RobotMotion] = ROBOT_MOTION.pack(
+        self.motion: Packed[RobotMotion] = Packed(
             RobotMotion(
                 present=self.present,
                 extent=extent,

@@ -16,7 +16,7 @@ from clean_swarm_env.physics.cells import NOBODY, cell_at, cell_beside, cells_al
 from clean_swarm_env.physics.physics import Physics
 from selforg.arrays import READ, SCRATCH, Flags, Floats, Ints
 from selforg.compiler.decorators import inlined, kernel, lean_kernel
-from selforg.compiler.records import Handle, Packed, Recording
+from selforg.compiler.records import Handle, Packed, opening
 from selforg.components.sources import Surroundings
 from selforg.elementary import sine_cosine, unit_vectors
 from selforg.space import nearest_image
@@ -63,8 +63,7 @@ class Discs(NamedTuple):
     robots: int  # 1 if disc m is the robot in row m, whose own rays do not meet it
 
 
-FAN, DISCS = Recording(Fan), Recording(Discs)
-open_fan, open_discs = FAN.open, DISCS.open
+open_fan, open_discs = opening(Fan), opening(Discs)
 
 
 class BodiesAround(Surroundings):
@@ -98,7 +97,7 @@ class Rays:
     @cached_property
     def _fan(self) -> Packed[Fan]:
         physics, settings = self._around.physics, self._around.physics.settings
-        return FAN.pack(
+        return Packed(
             Fan(
                 positions=physics.positions,
                 headings=physics.headings,
@@ -115,14 +114,14 @@ class Rays:
         physics, settings = self._around.physics, self._around.physics.settings
         radii = np.full(len(physics.headings), settings.radius, dtype=np.float64)
         far = self._reach + float(radii.max())
-        robots = DISCS.pack(Discs(physics.positions, physics.present, radii, settings.robots, far, 1))
+        robots = Packed(Discs(physics.positions, physics.present, radii, settings.robots, far, 1))
         kinds: list[tuple[Bodies | None, Packed[Discs]]] = [(None, robots)]
         for bodies in self._around.bodies() if self._things > 0.0 else ():
             worlds, count, _ = bodies.places.shape
             sizes = np.tile(np.maximum(np.broadcast_to(bodies.radius, count), self._things), worlds)
             places, there = np.zeros((worlds * count, 2)), np.ones(worlds * count, np.bool_)
             far = self._reach + float(sizes.max(initial=0.0))
-            kinds.append((bodies, DISCS.pack(Discs(places, there, sizes, count, far, 0))))
+            kinds.append((bodies, Packed(Discs(places, there, sizes, count, far, 0))))
         return kinds
 
     def cast(self, rows: Ints) -> Floats:

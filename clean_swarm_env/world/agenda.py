@@ -19,7 +19,7 @@ from clean_swarm_env.world.team_changes import Place, Team
 from clean_swarm_env.world.view import TaskView
 from selforg.arrays import KEPT, READ, Ints, derived
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Handle, Recording
+from selforg.compiler.records import Handle, Packed, opening
 from selforg.program import COMING, Rows, Step
 
 OWN_STREAMS: Final = 0xFFFFFFFF
@@ -88,8 +88,7 @@ class Awaited(NamedTuple):
     due: Annotated[Ints, "1", READ]  # tick of the batch at which something happens next in any world
 
 
-AWAITED = Recording(Awaited)
-open_awaited = AWAITED.open
+open_awaited = opening(Awaited)
 
 
 class Agendas:
@@ -102,7 +101,7 @@ class Agendas:
         self._world, self._task, self._clock = world, task, clock
         self._agendas = [None] * world.worlds
         self._due = np.array([NO_TICK])
-        self._awaited = AWAITED.pack(Awaited(self._due))
+        self._awaited = Packed(Awaited(self._due))
 
     def reset(self, number: int, seed: np.random.SeedSequence) -> None:
         """Begin a world anew; its agenda depends on its mission and `seed` only."""
@@ -111,7 +110,7 @@ class Agendas:
 
     def coming(self) -> Step:
         """Return the step that applies the events that are due at a tick in any world."""
-        records = AWAITED.pack(Awaited(self._due)), self._clock.packed
+        records = Packed(Awaited(self._due)), self._clock.packed
         return Step(COMING, lambda now, _, due: self.apply_due(), Rows.of(self._world.every_row), is_due, records)
 
     def apply_due(self) -> None:

@@ -17,7 +17,7 @@ from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.minds import Minds
 from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Handle, Recording
+from selforg.compiler.records import Handle, Packed, opening
 from selforg.declared import make_arrays
 from selforg.program import STARTING, Rows, Step
 from selforg.registry import unknown
@@ -35,8 +35,7 @@ class AtWork(NamedTuple):
     length: Annotated[Ints, "1", SCRATCH]
 
 
-TEAM = Recording(AtWork)
-open_team = TEAM.open
+open_team = opening(AtWork)
 
 
 class Team:
@@ -61,7 +60,7 @@ class Team:
         self._radii = np.tile(mission.of_each("radius"), floor.worlds)
         make_arrays(self, R=minds.rows, W=floor.worlds)
         self.able = Rows.of(np.arange(minds.rows))
-        self.packed = TEAM.pack(AtWork(self.working, *self.able))
+        self.packed = Packed(AtWork(self.working, *self.able))
 
     @property
     def at_work(self) -> Ints:

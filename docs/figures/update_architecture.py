@@ -17,7 +17,7 @@ def record_modules() -> list[str]:
     """Return the modules that define a record of compiled code."""
     files = (path for package in PACKAGES for path in sorted((ROOT / package).rglob("*.py")))
     found = [
-        path for path in files if re.search(r"^\w+.* = Recording\(", path.read_text(encoding="utf-8"), re.MULTILINE)
+        path for path in files if re.search(r"^open_\w+.* = opening\(", path.read_text(encoding="utf-8"), re.MULTILINE)
     ]
     return [".".join(path.relative_to(ROOT).with_suffix("").parts) for path in found]
 

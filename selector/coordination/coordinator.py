@@ -19,7 +19,7 @@ from selector.coordination.model import CoordinatorModel
 from selforg.arrays import KEPT, READ, SCRATCH, Floats, Ints, Within, derived
 from selforg.commands import Commands
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Handle, Recording, Written
+from selforg.compiler.records import Handle, Packed, Written, opening
 from selforg.declared import make_arrays
 from selforg.network import state as st
 from selforg.network.model.packed import PackedModel
@@ -169,7 +169,7 @@ class Coordinator:
         for option, content in enumerate(self.contents):
             network, members = content.network, Rows(self._members[option], self._counts[option : option + 1])
             acting = Rows(self._turns[0], np.zeros(1, dtype=np.int64))
-            turning = TURNING.pack(Turning(self._turn_of[option], self._stale, *acting, self._turns[1]))
+            turning = Packed(Turning(self._turn_of[option], self._stale, *acting, self._turns[1]))
             records = turning, self.parent.packed, network.model.packed, network.packed
             steps.append(Step(ACT, list_turns, members, list_turns, records, always=True))
             steps += content.robots.steps(members, acting, commands)
@@ -241,8 +241,7 @@ class Turning(NamedTuple):
     renewed: Annotated[Ints, "R", SCRATCH]  # room for those of them to reset
 
 
-TURNING = Recording(Turning)
-open_turning = TURNING.open
+open_turning = opening(Turning)
 
 
 @lean_kernel

@@ -12,7 +12,7 @@ from selector.coordination.robot_network import RobotNetwork
 from selforg.arrays import READ, SCRATCH, Ints
 from selforg.commands import Commands
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Handle, Recording, Written
+from selforg.compiler.records import Handle, Packed, Written, opening
 from selforg.network import state as st
 from selforg.network.network import BehaviourNetwork
 from selforg.network.state import RowStates, open_states
@@ -72,7 +72,7 @@ class InnerNetwork:
 
     def steps(self, commands: Commands) -> list[Step]:
         """Return the steps that sense, decide and act where the holder runs; movements go into `commands`."""
-        entering = ENTERING.pack(Entering(self.index, self._outside, self._inside, *self._runs))
+        entering = Packed(Entering(self.index, self._outside, self._inside, *self._runs))
         records = entering, self.parent.packed, self.network.packed
         inside = self.configuration.robots.steps(self._runs, self._runs, commands)
         enter = Step(ACT, enter_rows, Rows.of(self._all), enter_rows, records)
@@ -89,8 +89,7 @@ class Entering(NamedTuple):
     length: Annotated[Ints, "1", SCRATCH]
 
 
-ENTERING = Recording(Entering)
-open_entering = ENTERING.open
+open_entering = opening(Entering)
 
 
 @lean_kernel

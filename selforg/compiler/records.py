@@ -12,15 +12,14 @@ only, write what is KEPT or CLOCKED, or overwrite SCRATCH (`selforg.arrays`):
         links: Annotated[Links, "M", KEPT]  # next gradient in the same cell
         extent: float  # [m]
 
-    GRID = Recording(Grid)
-    open_grid = GRID.open
+    open_grid = opening(Grid)
 
     @lean_kernel
     def look(grid: Handle[Grid]) -> float:
         g = open_grid(grid)
         return g.cells[0, 1] * g.extent
 
-    packed = GRID.pack(Grid(cells, links, 11.0))
+    packed = Packed(Grid(cells, links, 11.0))
     look(packed.handle)
 
 The owner of the arrays packs the record, and replaces it when an array is replaced by another. The handle stays where
@@ -64,9 +63,13 @@ class Packed(Generic[Record]):
         record: the arrays and numbers; the arrays must stay where they are.
         handle: what kernels take.
 
+    Raises:
+        TypeError: names a field that compiled code would misread.
+
     """
 
-    def __init__(self, recording: Recording[Record], record: Record) -> None:
+    def __init__(self, record: Record) -> None:
+        recording: Recording[Record] = Recording.of[type(record)]
         self.record = record
         self.handle = recording.handle_of(record)
 
@@ -82,13 +85,12 @@ class Packed(Generic[Record]):
         words[:], words.base.record = fresh, record
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return packed_as, (type(self.record), tuple(self.record))
+        return Packed, (self.record,)
 
 
-def packed_as(kind: type[Record], fields: tuple[Any, ...]) -> Packed[Record]:
-    """Return a packed record of a class that has a `Recording`."""
-    recording: Recording[Record] = Recording.of[kind]
-    return recording.pack(kind(*fields))
+def opening(kind: type[Record]) -> Callable[[Handle[Record]], Record]:
+    """Declare a class of records, and return the function that opens their handles in compiled code."""
+    return Recording(kind).open
 
 
 class Recording(Generic[Record]):
@@ -116,10 +118,6 @@ class Recording(Generic[Record]):
         )
         self.open: Callable[[Handle[Record]], Record] = self._opening() if BY_ADDRESS else same_record
         Recording.of[kind] = self
-
-    def pack(self, record: Record) -> Packed[Record]:
-        """Return the record with its handle; TypeError names a field that compiled code would misread."""
-        return Packed(self, record)
 
     def handle_of(self, record: Record) -> Handle[Record]:
         """Return the handle of a record, which keeps its arrays alive."""

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from selforg.arrays import READ, SCRATCH, Flags, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Handle, Recording, Written
+from selforg.compiler.records import Handle, Packed, Written, opening
 from selforg.components.actions import ACTIONS, Action
 from selforg.components.memory import Remembered
 from selforg.components.sensors import SENSORS, SensorComponent
@@ -85,8 +85,7 @@ class Hearing(NamedTuple):
     tags: Annotated[Ints, "N TAG", SCRATCH]
 
 
-HEARING = Recording(Hearing)
-open_hearing = HEARING.open
+open_hearing = opening(Hearing)
 
 
 class SharedFact(Source):
@@ -139,7 +138,7 @@ class SharedFact(Source):
             messages=messages,
             tags=tags,
         )
-        self._packed, poses = HEARING.pack(record), buffer.poses.packed.record
+        self._packed, poses = Packed(record), buffer.poses.packed.record
         self.values, self.stamps, self.tellers = record.values, record.stamps, record.tellers
         self.ages, self.robots = np.full(rows, -1.0), np.full(rows, -1)
         self._all, self._first = np.arange(rows), poses.members[poses.first[poses.teams]]

@@ -9,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import KEPT, Floats
-from selforg.components.sources import ANSWERS, Answers
+from selforg.compiler.records import Packed
+from selforg.components.sources import Answers
 from selforg.network.model.behaviours import Sensor, SensorKind
 from selforg.network.step.readings import reading_of
 
@@ -68,7 +69,7 @@ class Remembered:
         self.kind: SensorKind = "fact" if isinstance(first, bool | np.bool_) else "number"
         self._first = reading_of(Sensor(name, self.kind), first)
         self.values = np.full(rows, self._first)
-        self.answers = ANSWERS.pack(Answers(np.ones(rows, dtype=np.bool_), self.values))
+        self.answers = Packed(Answers(np.ones(rows, dtype=np.bool_), self.values))
 
     def write(self, rows: npt.ArrayLike, value: npt.ArrayLike) -> None:
         """Set the values of `rows` (K,) to one value or to (K,) values; ValueError for a value of another kind."""

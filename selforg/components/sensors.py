@@ -12,7 +12,7 @@ import numpy.typing as npt
 from selforg.arrays import KEPT, Flags, Floats, Ints
 from selforg.commands import Moved, open_moved
 from selforg.compiler.decorators import inlined, lean_kernel
-from selforg.compiler.records import Handle, Packed, Recording, Written
+from selforg.compiler.records import Handle, Packed, Written, opening
 from selforg.components.memory import Remembered
 from selforg.components.sources import (
     Answers,
@@ -47,8 +47,7 @@ class Reading(NamedTuple):
     shown_column: int
 
 
-READING = Recording(Reading)
-open_reading = READING.open
+open_reading = opening(Reading)
 
 
 @inlined
@@ -153,7 +152,7 @@ class CompiledSensor(SensorComponent):
 
     def _into(self, *where: Any) -> Packed[Reading]:  # noqa: ANN401  (arrays and columns)
         bounds = self.above, self.most, self.least, self.absent
-        return READING.pack(Reading(int(self.kind == "fact"), *bounds, *where))
+        return Packed(Reading(int(self.kind == "fact"), *bounds, *where))
 
 
 class VectorSensor(CompiledSensor):

@@ -9,9 +9,9 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from selforg.arrays import CLOCKED, KEPT, READ, SCRATCH, Flags, Floats, Ints, derived
-from selforg.commands import MOVED, Moved
+from selforg.commands import Moved
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Recording, Written
+from selforg.compiler.records import Packed, Written, opening
 from selforg.declared import make_arrays
 from selforg.elementary import direction, exponential, logarithm
 from selforg.gradients.buffer import SoBuffer
@@ -33,8 +33,7 @@ class Answers(NamedTuple):
     values: Annotated[Floats, "N", READ]
 
 
-ANSWERS = Recording(Answers)
-open_answers = ANSWERS.open
+open_answers = opening(Answers)
 
 
 class Source(ABC):
@@ -70,8 +69,7 @@ class KeptAnswers(NamedTuple):
     length: Annotated[Ints, "1", SCRATCH]
 
 
-KEPT_ANSWERS = Recording(KeptAnswers)
-open_kept_answers = KEPT_ANSWERS.open
+open_kept_answers = opening(KeptAnswers)
 
 
 @lean_kernel
@@ -121,12 +119,12 @@ class MovementSource(Source):
             raise ValueError(f"MovementSource: exponent must be 0 or above 1, got {exponent}")
         self.mechanism, self.hold = mechanism, float(hold)
         make_arrays(self, N=mechanism.poses.rows, D=mechanism.poses.space.dim)
-        self.moved = MOVED.pack(Moved(self.vectors, self.active))
+        self.moved = Packed(Moved(self.vectors, self.active))
         self._asked[:], self._holds[:] = -np.inf, self.hold
         stream, listed = mechanism.directions, Rows.of(np.zeros(len(self.active), dtype=np.int64))
         drawn = stream.vectors, stream.cursor, stream.low
         times = self.hold, float(exponent), float(longest), self.active, self._asked, self._holds
-        self._keeping = KEPT_ANSWERS.pack(KeptAnswers(*times, *drawn, *listed))
+        self._keeping = Packed(KeptAnswers(*times, *drawn, *listed))
         self.parts = getattr(mechanism, "parts", ())
 
     def forget(self, rows: Ints) -> None:
@@ -162,7 +160,7 @@ class GoalSource(Source):
     def __init__(self, buffer: SoBuffer, rule: str = "nearest_attractive", look: Filter = EVERYTHING_IN_VIEW) -> None:
         self._queries, self._asks = Queries(buffer), (rule, look)
         make_arrays(self, N=buffer.poses.rows, D=buffer.poses.space.dim)
-        self.answers = ANSWERS.pack(Answers(self.present, self.clearance))
+        self.answers = Packed(Answers(self.present, self.clearance))
 
     def asking(self, stage: int, rows: Rows) -> list[Step]:
         return [self._queries.choosing(stage, rows, *self._asks, (self.offsets, self.clearance, self.present))]
@@ -185,8 +183,8 @@ class DecisionSource(Source):
         self.values = mechanism.values.copy()
         self.states = mechanism.state_codes.copy()
         self.differs = np.zeros(len(self.values), dtype=np.bool_)
-        self.answers = ANSWERS.pack(Answers(np.ones(len(self.values), dtype=np.bool_), self.values))
-        self.changes = ANSWERS.pack(Answers(self.differs, self.values))
+        self.answers = Packed(Answers(np.ones(len(self.values), dtype=np.bool_), self.values))
+        self.changes = Packed(Answers(self.differs, self.values))
 
     def asking(self, stage: int, rows: Rows) -> list[Step]:
         return [Step(stage, self._decide, rows)]

@@ -13,7 +13,7 @@ from selforg.elementary import sine_cosine
 from selforg.gradients.gradient import Gradient
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.gathering import index_poses, make_pose_cells
-from selforg.gradients.store.records import POSES, Poses, open_poses
+from selforg.gradients.store.records import Poses, open_poses
 from selforg.program import BEGINNING, Rows, Step
 from selforg.space import Space, wrapped
 from selforg.walls.segments import Walls, cell_of_walls, no_walls, open_walls, to_segment
@@ -99,7 +99,7 @@ class OwnPoses:
         self._walls = walls
         wall = (walls or no_walls()).record
         self.radii = np.array(np.broadcast_to(radii, (rows, 2)), dtype=np.float64, order="C")
-        self.packed = POSES.pack(
+        self.packed = Packed(
             Poses(
                 own=self.own,
                 rows=self.row_table,

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from selforg.arrays import SCRATCH, Flags, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Handle, Packed, Recording, Written
+from selforg.compiler.records import Handle, Packed, Written, opening
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.gradient import Gradient
 from selforg.gradients.pair import (
@@ -29,7 +29,7 @@ from selforg.gradients.pair import (
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.columns import PAIR_COLUMNS
 from selforg.gradients.store.gathering import gather, look_all_around
-from selforg.gradients.store.records import SIGHT, Margins, Poses, Sight, Store, open_poses, open_sight, open_store
+from selforg.gradients.store.records import Margins, Poses, Sight, Store, open_poses, open_sight, open_store
 from selforg.program import Rows, Step
 
 
@@ -45,7 +45,7 @@ class PairRoom:
         self._buffer = buffer
         self._looked: tuple[tuple[str, ...], int] = (), -1  # the channels, and how many the buffer knew then
         self.pairs: Floats = np.empty((pairs, PAIR_COLUMNS))
-        self.packed: Packed[Sight] = SIGHT.pack(Sight(np.zeros(1, dtype=np.int64), -1, self.pairs))
+        self.packed: Packed[Sight] = Packed(Sight(np.zeros(1, dtype=np.int64), -1, self.pairs))
 
     def sight(self, now: float, channels: tuple[str, ...]) -> Handle[Sight]:
         """Return the table and `channels` (none: all) for a look at `now` [s], as compiled code takes them."""
@@ -124,8 +124,7 @@ class Choosing(NamedTuple):
     present: Annotated[Flags, "N", SCRATCH]  # whether there is one
 
 
-CHOOSING = Recording(Choosing)
-open_choosing = CHOOSING.open
+open_choosing = opening(Choosing)
 
 
 class Queries:
@@ -196,7 +195,7 @@ class Queries:
         """Return the step of a program that writes the `answers` of a `Choosing` for `rows`."""
         buffer, room, channels = self._buffer, self._room, tuple(look.channels)
         view = buffer.settings.view_distance if look.view_distance is None else look.view_distance
-        chosen = CHOOSING.pack(Choosing(choice_named(rule), seen_by(look), float(view), *answers))
+        chosen = Packed(Choosing(choice_named(rule), seen_by(look), float(view), *answers))
         records: tuple[Packed[Any], ...] = (chosen, room.packed, buffer.poses.packed, buffer.table.packed)
 
         def go_on(now: float, rows: Ints, left: int = 0) -> None:

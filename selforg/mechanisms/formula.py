@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar, Unpack
 import numpy as np
 
 from selforg.arrays import READ, Flags, Floats, Ints
-from selforg.commands import MOVED, Moved
+from selforg.commands import Moved
 from selforg.compiler.decorators import inlined
 from selforg.compiler.records import Handle, Packed
 from selforg.gradients.buffer import SoBuffer
@@ -21,7 +21,6 @@ from selforg.mechanisms.base import MovementMechanism, MoveOptions, at_least
 from selforg.mechanisms.causes import Causes, note_cause
 from selforg.mechanisms.movement import (
     ALL_IN_VIEW,
-    RULE,
     WALLS_IGNORED,
     Combination,
     Formula,
@@ -116,7 +115,7 @@ class FormulaMechanism(MovementMechanism):
     def move_into(self, now: float, rows: Ints, vectors: Floats, active: Flags) -> None:
         """Do what `MovementMechanism.move_into` does, with a longer table whenever a row sees too much for it."""
         self.directions.refill()
-        moved, sight = MOVED.pack(Moved(vectors, active)).handle, self._room.sight(now, self.channels)
+        moved, sight = Packed(Moved(vectors, active)).handle, self._room.sight(now, self.channels)
         poses, store = self.poses.packed.handle, self.buffer.table.packed.handle
         while left := self._kernel(now, rows, moved, sight, self._packed.handle, poses, store):
             rows, sight = rows[len(rows) - left :], self._room.double()
@@ -140,7 +139,7 @@ class FormulaMechanism(MovementMechanism):
         if self._rule is not None and len(self._rule.record.boids) < pairs:
             self._rule.replace(self._rule.record._replace(boids=np.empty((pairs, self.boid_columns))))
         if self._rule is None:
-            self._rule = RULE.pack(
+            self._rule = Packed(
                 Rule(
                     looks=np.array(self.looks),
                     wakes=np.array(self.wakes),

@@ -11,7 +11,7 @@ import numpy as np
 from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints, derived
 from selforg.commands import Moved, open_moved
 from selforg.compiler.decorators import part, template
-from selforg.compiler.records import Handle, Recording, Written
+from selforg.compiler.records import Handle, Written, opening
 from selforg.gradients.pair import Own, Pair, own_of
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.gathering import gather, keep_ahead, look_all_around
@@ -65,8 +65,7 @@ class Rule(NamedTuple):
     total: Annotated[Floats, "3", SCRATCH]  # room for a sum
 
 
-RULE = Recording(Rule)
-open_rule = RULE.open
+open_rule = opening(Rule)
 
 Formula: TypeAlias = Callable[[Pair], float]
 """Length of a contribution [m or -]: towards the gradient if positive; negative infinity is full repulsion."""

@@ -8,11 +8,12 @@ import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import SCRATCH, Floats, Ints
+from selforg.compiler.records import Packed
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.gradient import check_fields
 from selforg.gradients.rows import set_times
 from selforg.gradients.store import columns as c
-from selforg.gradients.store.records import LEFT_BEHIND, Left
+from selforg.gradients.store.records import Left
 from selforg.mechanisms.base import MECHANISMS, Mechanism
 from selforg.program import Program, Rows, Step
 
@@ -65,7 +66,7 @@ class Spreader:
         far[:, c.FAR_FACTOR], far[:, c.FAR_PERIOD] = carried.evaporation_factor, carried.evaporation_period
         tags = self._tags
         tags[:, c.TAG_SIGN], tags[:, c.TAG_MOVING], tags[:, c.TAG_KEY] = carried.attraction, carried.moving, key
-        self._left = LEFT_BEHIND.pack(Left(self._messages, self._tags))
+        self._left = Packed(Left(self._messages, self._tags))
 
     def spread(self, now: float, rows: Ints, values: Floats | None = None, diffusions: Floats | None = None) -> None:
         """Spread from `rows` (R,) that know their pose; values (R,) to carry, diffusions (R,) [m] of their own."""

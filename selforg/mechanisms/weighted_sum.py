@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from typing import Any, ClassVar, NamedTuple, TypeAlias
 
 from selforg.arrays import Flags, Floats, Ints
-from selforg.commands import MOVED, Moved, open_moved
+from selforg.commands import Moved, open_moved
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Handle, Packed, Recording
+from selforg.compiler.records import Handle, Packed, opening
 from selforg.gradients.buffer import SoBuffer
 from selforg.mechanisms.base import MECHANISMS, MovementMechanism
 from selforg.mechanisms.chemotaxis import ChemotaxisBalch
@@ -21,8 +21,7 @@ class Summand(NamedTuple):
     weight: float
 
 
-SUMMAND = Recording(Summand)
-open_summand = SUMMAND.open
+open_summand = opening(Summand)
 
 MovementWeights: TypeAlias = Mapping[Any, float]
 """Weights of movement mechanisms, or of their sources; a document gives their names."""
@@ -58,7 +57,7 @@ class WeightedSum(MovementMechanism):
 
     def move_into(self, now: float, rows: Ints, vectors: Floats, active: Flags) -> None:
         """Add up the movements of `rows` (K,), those of sources as they have answered."""
-        moved = MOVED.pack(Moved(vectors, active))
+        moved = Packed(Moved(vectors, active))
         Program(lambda: self.moving(ACT, Rows.of(rows), moved)).run(now)
 
     def moving(self, stage: int, rows: Rows, moved: Packed[Moved]) -> list[Step]:
@@ -68,11 +67,11 @@ class WeightedSum(MovementMechanism):
         steps = []
         for number, (one, weight) in enumerate(self._of):
             if isinstance(one, MovementMechanism):
-                own = MOVED.pack(Moved(one._vectors, one._active))
+                own = Packed(Moved(one._vectors, one._active))
                 steps += one.moving(stage, rows, own)
             else:
                 own = one.moved
-            records = own, SUMMAND.pack(Summand(int(number == 0), weight)), moved
+            records = own, Packed(Summand(int(number == 0), weight)), moved
             steps.append(Step(stage, add_movements, rows, add_movements, records))
         return steps
 

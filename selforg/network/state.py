@@ -11,7 +11,7 @@ import numpy as np
 
 from selforg.arrays import KEPT, SCRATCH, Floats, Ints
 from selforg.compiler.decorators import kernel, lean_kernel
-from selforg.compiler.records import Handle, Packed, Recording, Written
+from selforg.compiler.records import Handle, Packed, Written, opening
 from selforg.network import state as st
 from selforg.network.model.packed import PackedModel, open_model
 
@@ -151,8 +151,7 @@ class RowStates(NamedTuple):
     counts: Annotated[Ints, "B 2 1", SCRATCH]  # the first ones; and how many; see `list_running`
 
 
-ROW_STATES = Recording(RowStates)
-open_states = ROW_STATES.open
+open_states = opening(RowStates)
 
 
 def new_states(
@@ -162,7 +161,7 @@ def new_states(
     sensors, behaviours = len(model.is_fact), len(model.priority)
     goals, wishes = len(model.goal_permanent), len(model.wish_owner)
     layers = EXPLAINED_LAYERS if explained else MARK_LAYERS
-    return ROW_STATES.pack(
+    return Packed(
         RowStates(
             readings=np.zeros((rows, sensors)),
             values=np.zeros((rows, VALUE_LAYERS, behaviours)),

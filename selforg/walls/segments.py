@@ -12,7 +12,7 @@ import numpy as np
 
 from selforg.arrays import READ, Floats, Ints
 from selforg.compiler.decorators import inlined, part
-from selforg.compiler.records import Handle, Packed, Recording
+from selforg.compiler.records import Handle, Packed, opening
 from selforg.space import wrapped
 
 NEAR: Final = 2.0
@@ -37,8 +37,7 @@ class Walls(NamedTuple):
     lines: int
 
 
-WALLS = Recording(Walls)
-open_walls = WALLS.open
+open_walls = opening(Walls)
 
 
 def packed_walls(segments: Floats, low: Sequence[float], high: Sequence[float], near: float = NEAR) -> Packed[Walls]:
@@ -55,7 +54,7 @@ def packed_walls(segments: Floats, low: Sequence[float], high: Sequence[float], 
         clear[cell] = away.min() - beyond
     first = np.cumsum([0, *map(len, lists)])
     listed = np.concatenate([np.zeros(0, np.int64), *lists])
-    return WALLS.pack(
+    return Packed(
         Walls(
             segments=np.ascontiguousarray(segments),
             first=first,

@@ -18,7 +18,7 @@ from selforg.mechanisms.flocking import (
     sigma_norm,
 )
 from selforg.mechanisms.flocking_reynolds import FlockingReynolds, mean_difference, separation
-from selforg.mechanisms.movement import RULE, Rule
+from selforg.mechanisms.movement import Rule
 from selforg.space import Euclidean
 from tests.golden.case import Case, SetAside, difference
 from tests.golden.scene import heading_of
@@ -97,4 +97,4 @@ def rule_of(boids: np.ndarray, view_distance: float, *parameters: float) -> Pack
     """Return the record of a flocking rule with the parameters of a case."""
     mechanism = FlockingReynolds(OwnPoses(Euclidean(3), 1), view_distance=view_distance)
     record = mechanism._packed.record
-    return RULE.pack(record._replace(boids=boids, parameters=np.array(parameters, dtype=float)))
+    return Packed(record._replace(boids=boids, parameters=np.array(parameters, dtype=float)))

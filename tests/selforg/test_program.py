@@ -13,7 +13,7 @@ import pytest
 
 from selforg.arrays import KEPT, SCRATCH, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Handle, Recording, Written
+from selforg.compiler.records import Handle, Packed, Written, opening
 from selforg.compiler.switches import BY_ADDRESS
 from selforg.program import ACT, FINISHING, LEAVE, SENSE, STOP, Program, Rows, Step, bits_of
 from tests.paths import ROOT
@@ -33,8 +33,7 @@ class Even(NamedTuple):
     length: Annotated[Ints, "1", SCRATCH]
 
 
-TALLY, EVEN = Recording(Tally), Recording(Even)
-open_tally, open_even = TALLY.open, EVEN.open
+open_tally, open_even = opening(Tally), opening(Even)
 
 
 @lean_kernel
@@ -68,9 +67,9 @@ class Counter:
     """Rows that count, even ones twice; rows that have counted enough are noted in Python."""
 
     def __init__(self, rows=4, by=1.0):
-        self.tally, self.noted = TALLY.pack(Tally(np.zeros(rows), by)), []
+        self.tally, self.noted = Packed(Tally(np.zeros(rows), by)), []
         self.everyone = Rows.of(np.arange(rows))
-        self.even = EVEN.pack(Even(np.zeros(rows, dtype=np.int64), np.zeros(1, dtype=np.int64)))
+        self.even = Packed(Even(np.zeros(rows, dtype=np.int64), np.zeros(1, dtype=np.int64)))
         self.program = Program(self.steps)
 
     def steps(self):

@@ -12,7 +12,7 @@ import numpy as np
 
 from selforg.arrays import READ, SCRATCH, Flags, Floats, Ints
 from selforg.compiler.decorators import inlined
-from selforg.compiler.records import Recording
+from selforg.compiler.records import opening
 from selforg.elementary import sine_cosine
 
 
@@ -52,8 +52,7 @@ class Around(NamedTuple):
     within: Annotated[Ints, "R K", SCRATCH]  # number of other robots within each range
 
 
-AROUND_RECORD = Recording(Around)
-open_around = AROUND_RECORD.open
+open_around = opening(Around)
 
 
 @inlined

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from clean_swarm_env.learning.observation.around import AROUND_RECORD, Around, open_around
+from clean_swarm_env.learning.observation.around import Around, open_around
 from clean_swarm_env.learning.observation.config import ObservationConfig
 from clean_swarm_env.learning.observation.searches import search
 from clean_swarm_env.learning.observation.term import (
@@ -24,7 +24,7 @@ from clean_swarm_env.learning.progress import MissionProgress, avoidance_column
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import KEPT, READ, SCRATCH, Floats, Ints
 from selforg.compiler.decorators import long_kernel
-from selforg.compiler.records import Handle
+from selforg.compiler.records import Handle, Packed
 from selforg.declared import make_arrays
 from selforg.mechanisms.steering.base import OTHER_COLUMNS
 
@@ -53,7 +53,7 @@ class Observer:
     def __init__(self, worlds: Worlds, progress: MissionProgress, config: ObservationConfig | None = None) -> None:
         self.config = (config or ObservationConfig()).of(worlds.task.terms)
         self._worlds = worlds
-        self._around = AROUND_RECORD.pack(around_robots(worlds, progress, self.config))
+        self._around = Packed(around_robots(worlds, progress, self.config))
         self._held = [coordinator.held for coordinator in worlds.coordinators]
         observed = Observed(worlds, progress, self._around)
         terms = self.config.build(observed)

@@ -21,7 +21,7 @@ from clean_swarm_env.world.team_changes import AtWork, open_team
 from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import inlined, lean_kernel
-from selforg.compiler.records import Handle, Packed, Recording, Written
+from selforg.compiler.records import Handle, Packed, Written, opening
 from selforg.space import nearest_image
 
 NOTICED = "stopped_by_collision", "collision_was_harmless", "nothing_found_here"
@@ -51,8 +51,7 @@ class Consequence(NamedTuple):
     long: int  # ticks without garbage of which they tell
 
 
-CONSEQUENCE = Recording(Consequence)
-open_consequence = CONSEQUENCE.open
+open_consequence = opening(Consequence)
 
 
 class Consequences:
@@ -72,7 +71,7 @@ class Consequences:
         config, rate = settings_of(mission).consequences, mission.world.control_rate
         self.active = config.stop > 0.0 or config.back_off > 0.0 or config.drop
         self.harmless = np.zeros(worlds, dtype=np.int64)
-        self.packed: Packed[Consequence] = CONSEQUENCE.pack(
+        self.packed: Packed[Consequence] = Packed(
             Consequence(
                 standing=np.zeros(rows, dtype=np.int64),
                 collisions=np.zeros(rows, dtype=np.int64),

@@ -7,12 +7,12 @@ from typing import Annotated, Final
 import numpy as np
 
 from clean_swarm_env.tasks.cleaning.garbage import NOTHING
-from clean_swarm_env.tasks.cleaning.records import MINDS, MindsRecord
+from clean_swarm_env.tasks.cleaning.records import MindsRecord
 from clean_swarm_env.tasks.cleaning.settings import settings_of
 from clean_swarm_env.tasks.cleaning.site import ITEM_CHANNEL, SAME_PLACE, Site
 from clean_swarm_env.world.view import TaskView
 from selforg.arrays import READ, Flags, Ints
-from selforg.commands import MOVED, Commands, Moved
+from selforg.commands import Commands, Moved
 from selforg.compiler.records import Packed
 from selforg.mechanisms import ChemotaxisBalch, MovementMechanism, Patrol, Pheromone
 from selforg.program import AFTER_ACTING, COMMANDING, Rows, Step
@@ -66,7 +66,7 @@ class Movers:
         self.to_garbage = index["MoveToGarbage"] if "MoveToGarbage" not in minds.robot.inner else NO_BEHAVIOUR
         moving = {k: m for k, m in self.mechanisms.items() if k in index and k not in minds.robot.inner}
         self._of_behaviours = tuple(moving.values())
-        self.packed: Packed[MindsRecord] = MINDS.pack(
+        self.packed: Packed[MindsRecord] = Packed(
             MindsRecord(
                 readings=minds.network.readings,
                 marks=minds.network.state.marks,
@@ -81,7 +81,7 @@ class Movers:
 
     def steps(self, commands: Commands) -> list[Step]:
         """Return the steps that command the robots whose networks run a mechanism, and leave their pheromones."""
-        steps, moved, record = [], MOVED.pack(Moved(commands.vectors, commands.commanded)), self.packed.record
+        steps, moved, record = [], Packed(Moved(commands.vectors, commands.commanded)), self.packed.record
         for number, mechanism in enumerate(self._of_behaviours):
             rows = Rows(record.running[number], record.counts[number : number + 1])
             if mechanism is self.mechanisms["MoveToGarbage"] and not self._all_nearest:

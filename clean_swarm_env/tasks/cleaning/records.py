@@ -7,7 +7,7 @@ robots' network.
 from typing import Annotated, NamedTuple
 
 from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints
-from selforg.compiler.records import Recording
+from selforg.compiler.records import opening
 
 
 class FloorRecord(NamedTuple):
@@ -63,6 +63,4 @@ class MindsRecord(NamedTuple):
     counts: Annotated[Ints, "L", SCRATCH]
 
 
-FLOOR = Recording(FloorRecord)
-MINDS = Recording(MindsRecord)
-open_floor, open_minds = FLOOR.open, MINDS.open
+open_floor, open_minds = opening(FloorRecord), opening(MindsRecord)

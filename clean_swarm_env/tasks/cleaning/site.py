@@ -10,7 +10,7 @@ from clean_swarm_env.config.tasks import item_rows
 from clean_swarm_env.physics.cells import cells_along
 from clean_swarm_env.tasks.cleaning.consequences import Consequences
 from clean_swarm_env.tasks.cleaning.garbage import LYING, NOTHING, Garbage
-from clean_swarm_env.tasks.cleaning.records import FLOOR, FloorRecord
+from clean_swarm_env.tasks.cleaning.records import FloorRecord
 from clean_swarm_env.tasks.cleaning.settings import DUMP, RECYCLING, settings_of
 from clean_swarm_env.world.view import TaskView
 from selforg.arrays import KEPT, READ, Flags, Floats, Ints
@@ -54,7 +54,7 @@ class Site:
         own = world.of_each("sight")
         sights, room = np.where(own > 0.0, own, sight), world.of_each("carries").astype(np.int64)
         cells = cells_along(count, max(float(sights.max()), config.at_distance, config.pick_distance), extent)
-        self.packed: Packed[FloorRecord] = FLOOR.pack(
+        self.packed: Packed[FloorRecord] = Packed(
             FloorRecord(
                 robots=world.floor.physics.positions,
                 headings=world.floor.physics.headings,

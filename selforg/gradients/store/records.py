@@ -7,7 +7,7 @@ buckets (a power of two), P pairs, L levels.
 from typing import Annotated, NamedTuple
 
 from selforg.arrays import KEPT, READ, SCRATCH, Floats, Ints, Links, Octets, clocked
-from selforg.compiler.records import Recording
+from selforg.compiler.records import opening
 from selforg.gradients.store.columns import POSE_STAMP
 
 MOST_CANDIDATES = 512  # gradients that are looked at together
@@ -109,5 +109,4 @@ class Left(NamedTuple):
     tag: Annotated[Ints, "1 TAG", SCRATCH]
 
 
-POSES, STORE, SIGHT, LEFT_BEHIND = Recording(Poses), Recording(Store), Recording(Sight), Recording(Left)
-open_poses, open_store, open_sight, open_left = POSES.open, STORE.open, SIGHT.open, LEFT_BEHIND.open
+open_poses, open_store, open_sight, open_left = opening(Poses), opening(Store), opening(Sight), opening(Left)

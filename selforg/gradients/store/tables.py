@@ -9,7 +9,7 @@ from selforg.compiler.records import Packed
 from selforg.gradients.settings import BufferSettings
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.linking import make_levels, rebuild
-from selforg.gradients.store.records import MOST_CANDIDATES, STORE, Store
+from selforg.gradients.store.records import MOST_CANDIDATES, Store
 from selforg.grid import MOST_CELLS
 from selforg.space import Space
 
@@ -36,7 +36,7 @@ class Tables:
         bounds, cells = make_levels(space.padded_extent, space.dim, settings.smallest_cell)
         counters = np.zeros(c.COUNTERS, dtype=np.int64)
         counters[[c.COUNTER_FREE, c.COUNTER_TIDY_AT]] = -1, SMALLEST_UNSORTED
-        self.packed = STORE.pack(
+        self.packed = Packed(
             Store(
                 near=np.empty((SMALLEST_CAPACITY, c.NEAR_COLUMNS)),
                 links=np.empty((SMALLEST_CAPACITY, c.LINK_COLUMNS), dtype=np.int32),

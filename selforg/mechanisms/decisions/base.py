@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints
 from selforg.compiler.decorators import template
-from selforg.compiler.records import Handle, Packed, Recording, Written
+from selforg.compiler.records import Handle, Packed, Written, opening
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.queries import PairRoom
 from selforg.gradients.store import columns as c
@@ -131,8 +131,7 @@ class DecisionRule(NamedTuple):
     decided: Annotated[Flags, "N", SCRATCH]  # room for whether there is a decision
 
 
-DECISION_RULE = Recording(DecisionRule)
-open_decision_rule = DECISION_RULE.open
+open_decision_rule = opening(DecisionRule)
 
 
 def decided(row: int, found: int, sight: Handle[Sight], deciding: Handle[DecisionRule], store: Handle[Store]) -> None:
@@ -175,7 +174,7 @@ class NeighbourDecision(DecisionMechanism):
     def _deciding(self) -> Packed[DecisionRule]:
         """What kernels take of the mechanism, packed when it decides for the first time."""
         rows = self.poses.rows
-        return DECISION_RULE.pack(
+        return Packed(
             DecisionRule(
                 alone=self.alone,
                 sight_bits=self._sight_bits,

@@ -7,7 +7,7 @@ import numpy as np
 from selforg.arrays import CLOCKED, KEPT, SCRATCH, Floats, Ints
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import inlined, lean_kernel, part
-from selforg.compiler.records import Handle, Recording, Written
+from selforg.compiler.records import Handle, Packed, Written, opening
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.queries import ATTRACTIVE, Filter, Queries
@@ -46,8 +46,7 @@ class Approaching(NamedTuple):
     patience: float
 
 
-APPROACHING = Recording(Approaching)
-open_approaching = APPROACHING.open
+open_approaching = opening(Approaching)
 
 
 @MECHANISMS.register
@@ -88,7 +87,7 @@ class ApproachLeastBusy(SteeringMechanism):
         self._look = Filter(self.channels, moving=False, view_distance=self.view_distance)
         self._places: Floats = np.zeros((rows, 2))
         self._times: Floats = np.full((rows, 2), -np.inf)
-        self._approaching = APPROACHING.pack(
+        self._approaching = Packed(
             Approaching(
                 others=np.zeros((rows, OTHER_COLUMNS)),
                 places=self._places,

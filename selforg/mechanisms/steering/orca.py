@@ -11,7 +11,7 @@ import numpy as np
 from selforg.arrays import SCRATCH, Floats, Ints
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import kernel, lean_kernel, part
-from selforg.compiler.records import Handle, Packed, Recording
+from selforg.compiler.records import Handle, Packed, opening
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import MOST_WALLS, OwnPoses
 from selforg.gradients.store.records import Poses, open_poses
@@ -51,8 +51,7 @@ class HalfPlanes(NamedTuple):
     period: float
 
 
-HALF_PLANES = Recording(HalfPlanes)
-open_half_planes = HALF_PLANES.open
+open_half_planes = opening(HalfPlanes)
 
 
 @MECHANISMS.register
@@ -84,7 +83,7 @@ class ORCA(SteeringMechanism):
     ) -> None:
         super().__init__(buffer, **options)
         rows = self.poses.rows
-        self._planes = HALF_PLANES.pack(
+        self._planes = Packed(
             HalfPlanes(
                 others=np.zeros((rows, OTHER_COLUMNS)),
                 lines=np.zeros((rows + MOST_WALLS, LINE_COLUMNS)),

@@ -11,7 +11,7 @@ import numpy as np
 from selforg.arrays import CLOCKED, KEPT, READ, SCRATCH, Flags, Floats, Ints, derived
 from selforg.commands import Commanded, open_commanded
 from selforg.compiler.decorators import lean_kernel, part
-from selforg.compiler.records import Handle, Packed, Recording, Written
+from selforg.compiler.records import Handle, Packed, Written, opening
 from selforg.elementary import direction, unit_vectors
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import MOST_WALLS, OwnPoses
@@ -69,8 +69,7 @@ class Foresight(NamedTuple):
     daring: float
 
 
-FORESIGHT = Recording(Foresight)
-open_foresight = FORESIGHT.open
+open_foresight = opening(Foresight)
 
 
 @MECHANISMS.register
@@ -130,7 +129,7 @@ class PredictiveSteering(SteeringMechanism):
         self._times: Floats = np.zeros((rows, 2))
         turns, shares = np.meshgrid(np.radians(TURNS), SHARES, indexing="ij")
         candidates = np.array([*zip(turns.flat, shares.flat, strict=True), (0.0, 0.0)])
-        self._foresight = FORESIGHT.pack(
+        self._foresight = Packed(
             Foresight(
                 candidates=np.column_stack([candidates, *unit_vectors(candidates[:, 0])]),
                 others=np.zeros((rows + MOST_WALLS, OTHER_COLUMNS)),

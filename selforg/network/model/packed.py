@@ -13,7 +13,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from selforg.arrays import READ, SCRATCH, Floats, Ints
-from selforg.compiler.records import Packed, Recording
+from selforg.compiler.records import Packed, opening
 
 LEAF, NEGATION, CONJUNCTION, DISJUNCTION = range(4)
 """Kinds of nodes."""
@@ -94,8 +94,7 @@ class PackedModel(NamedTuple):
     threshold_decay: float
 
 
-PACKED_MODEL = Recording(PackedModel)
-open_model = PACKED_MODEL.open
+open_model = opening(PackedModel)
 
 
 SENSE_AND_DECIDE, DECIDE_ONLY = range(2)
@@ -124,8 +123,7 @@ class Scratch(NamedTuple):
     counted: Annotated[Ints, "B", SCRATCH]  # 1 where a behaviour takes one of the places of `max_parallel`
 
 
-STEP_SCRATCH = Recording(Scratch)
-open_scratch = STEP_SCRATCH.open
+open_scratch = opening(Scratch)
 
 
 def scratch_for(model: PackedModel, phase: int, guarantee: int) -> Packed[Scratch]:
@@ -133,7 +131,7 @@ def scratch_for(model: PackedModel, phase: int, guarantee: int) -> Packed[Scratc
     sensors, behaviours, goals = len(model.is_fact), len(model.priority), len(model.goal_permanent)
     leaves, nodes = len(model.leaf_kind), len(model.node_kind)
     effects = len(model.effect_owner)
-    return STEP_SCRATCH.pack(
+    return Packed(
         Scratch(
             phase=phase,
             guarantee=guarantee,

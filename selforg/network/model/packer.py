@@ -14,7 +14,7 @@ from selforg.network.model import packed
 from selforg.network.model.activators import BOOLEAN_RULE, EQUAL_RULE, THRESHOLD_RULE
 from selforg.network.model.behaviours import Behaviour, Goal, NetworkSettings, Sensor, column_of
 from selforg.network.model.conditions import Condition, Conjunction, Disjunction, Negation, Optional, Tree, leaves
-from selforg.network.model.packed import PACKED_MODEL, PackedModel
+from selforg.network.model.packed import PackedModel
 
 COMPOSED = {Conjunction: packed.CONJUNCTION, Disjunction: packed.DISJUNCTION}
 
@@ -94,7 +94,7 @@ class Packer:
             for condition in goal.conditions:
                 node = self._add_tree(condition, len(self.behaviours) + g, -1, f"goal {goal.name!r}")
                 self._conditions.append(RootRow(g, node, -1))
-        return PACKED_MODEL.pack(self._record())
+        return Packed(self._record())
 
     def _add_behaviour(self, b: int, behaviour: Behaviour) -> None:
         where = f"behaviour {behaviour.name!r}"

@@ -16,7 +16,7 @@ import numpy as np
 
 from selforg.arrays import READ, Ints
 from selforg.compiler.decorators import inlined
-from selforg.compiler.records import Handle, Packed, Recording, Written
+from selforg.compiler.records import Handle, Packed, Written, opening
 from selforg.network import state as st
 from selforg.network.planning.problem import STEPS_PER_UNIT
 from selforg.network.planning.spending import Spent
@@ -45,8 +45,7 @@ class KnownPlans(NamedTuple):
     entries: Annotated[Ints, "N ENTRY", READ]  # an open-addressing table; N is a power of 2
 
 
-KNOWN_PLANS = Recording(KnownPlans)
-open_known = KNOWN_PLANS.open
+open_known = opening(KnownPlans)
 
 
 class PlanMemory:
@@ -94,7 +93,7 @@ class PlanMemory:
         self._facts: Ints = np.array(facts, dtype=np.int64)
         self._bounds: Ints = np.array(bounds, dtype=np.int64).reshape(len(bounds), 5)
         self._coordinators: Ints = np.array(coordinators, dtype=np.int64)
-        self.packed: Packed[KnownPlans] = KNOWN_PLANS.pack(self._empty(FIRST_SIZE))
+        self.packed: Packed[KnownPlans] = Packed(self._empty(FIRST_SIZE))
         self._clamp()
 
     def insert(self, key: Ints, behaviours: Sequence[int] | None) -> None:

@@ -7,13 +7,14 @@ import pytest
 
 from clean_swarm_env.config.load import load_family
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.progress import AVOIDINGS, COLLISIONS, CONTACTS, EVENTS, PERIOD_RECORD, Period
+from clean_swarm_env.learning.progress import AVOIDINGS, COLLISIONS, CONTACTS, EVENTS, Period
 from clean_swarm_env.learning.reward import REWARD_TERMS, RewardConfig, Rewards
 from clean_swarm_env.tasks import Cleaning
 from clean_swarm_env.tasks.cleaning.cost import cost_terms
 from clean_swarm_env.tasks.cleaning.learning.counts import DUMPINGS, PICKINGS, RECYCLINGS
 from clean_swarm_env.testing import check_reward_term
 from clean_swarm_env.world.mission_end import COMPLETED, RUNNING
+from selforg.compiler.records import Packed
 from tests.clean_swarm_env.courses import begun
 
 KINDS = (*(achievement.name for achievement in Cleaning.achievements), *EVENTS)
@@ -34,7 +35,7 @@ def progress(**events):
         price=np.array([0.0, 8.0]),
         bumps=np.array([0.0, 0.0, 6.0, 2.0]),
     )
-    return SimpleNamespace(period=PERIOD_RECORD.pack(period), **period._asdict())
+    return SimpleNamespace(period=Packed(period), **period._asdict())
 
 
 def gained(config, counted):

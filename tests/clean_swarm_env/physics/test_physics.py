@@ -8,9 +8,10 @@ import pytest
 
 from clean_swarm_env.physics.collisions import CollisionCounter
 from clean_swarm_env.physics.drive import DifferentialDrive
-from clean_swarm_env.physics.motion import ALWAYS_TOUCHING, ROBOT_MOTION
+from clean_swarm_env.physics.motion import ALWAYS_TOUCHING
 from clean_swarm_env.physics.physics import Physics, PhysicsSettings
-from selforg.commands import COMMANDED, Commanded
+from selforg.commands import Commanded
+from selforg.compiler.records import Packed
 from selforg.program import Program
 from tests.clean_swarm_env.physics.substeps import substep
 
@@ -137,7 +138,7 @@ def test_robots_pass_through_each_other_only_where_they_may():
 def test_free_motion_and_pymunk_are_one_integrator(seed):
     """Calling pymunk in every substep gives the same as calling it only while robots touch."""
     sparing, always = (placed(1, 2, seed, width=2.0, height=2.0) for _ in range(2))
-    always.motion = ROBOT_MOTION.pack(always.motion.record._replace(search=ALWAYS_TOUCHING))
+    always.motion = Packed(always.motion.record._replace(search=ALWAYS_TOUCHING))
     engaged = []
     for walk in range(20):
         apart = shorter(wander(sparing, 20, walk) - wander(always, 20, walk), 2.0)
@@ -206,7 +207,7 @@ def drive_about(physics, ticks, seed):
     rows, rng = len(physics.positions), np.random.default_rng(seed)
     drive = DifferentialDrive(rows)
     counter = CollisionCounter(physics.settings.worlds, physics.settings.robots, 11.0, 11.0)
-    commands = COMMANDED.pack(Commanded(np.zeros((rows, 2)), np.ones(rows, np.bool_), np.zeros(rows, np.bool_)))
+    commands = Packed(Commanded(np.zeros((rows, 2)), np.ones(rows, np.bool_), np.zeros(rows, np.bool_)))
     history = []
     for tick in range(ticks):
         commands.record.vectors[:] = rng.normal(0.0, 1.0, (rows, 2))

@@ -6,9 +6,9 @@ import pytest
 from clean_swarm_env.config.mission import NetworkConfig
 from clean_swarm_env.tasks.cleaning.cargo import read_sensors
 from clean_swarm_env.tasks.cleaning.garbage import CARRIED, LYING, NOTHING, Garbage
-from clean_swarm_env.tasks.cleaning.records import FLOOR, MINDS
 from clean_swarm_env.tasks.cleaning.robot import OWN_SENSORS, robot_network
 from selector.documents.errors import DocumentError
+from selforg.compiler.records import Packed
 from selforg.walls.segments import no_walls
 from tests.clean_swarm_env.courses import avoidance
 from tests.clean_swarm_env.world.records import floor_record, minds_record
@@ -37,7 +37,7 @@ def _read(robot, items, stage, cargo=NOTHING, recycled=0):
     floor = floor_record(garbage, np.array([robot], float), EXTENT, stations=STATIONS[None], **distances)
     minds = minds_record(1)
     minds.readings[:] = 9.0
-    read_sensors(0.0, np.arange(1), FLOOR.pack(floor).handle, MINDS.pack(minds).handle, no_walls().handle)
+    read_sensors(0.0, np.arange(1), Packed(floor).handle, Packed(minds).handle, no_walls().handle)
     return dict(zip((sensor.name for sensor in OWN_SENSORS), minds.readings[0].tolist(), strict=True))
 
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from clean_swarm_env.physics.cells import cells_along
 from clean_swarm_env.tasks.cleaning.cargo import handle_cargo_as_decided
 from clean_swarm_env.tasks.cleaning.garbage import CARRIED, DONE, LYING, NOTHING, Garbage
-from clean_swarm_env.tasks.cleaning.records import FLOOR, MINDS
+from selforg.compiler.records import Packed
 from selforg.network.state import STARTED
 from selforg.walls.segments import no_walls
 from tests.clean_swarm_env.world.records import floor_record, minds_record
@@ -26,7 +26,7 @@ def _handle(garbage, robots, started):
     minds = minds_record(len(robots), behaviours=4, handling=COLUMNS)
     minds.marks[:, STARTED] = started
     count = handle_cargo_as_decided(
-        0.0, np.arange(len(robots)), FLOOR.pack(floor).handle, MINDS.pack(minds).handle, no_walls().handle
+        0.0, np.arange(len(robots)), Packed(floor).handle, Packed(minds).handle, no_walls().handle
     )
     return floor.picked[:count].tolist()
 

@@ -9,11 +9,12 @@ from clean_swarm_env.config.mission import NetworkConfig
 from clean_swarm_env.tasks.cleaning.robot import robot_network
 from selector.configurations.host import Host
 from selector.configurations.library import Library
-from selector.coordination.coordinator import TURNING, Coordinator, Turning, list_turns
+from selector.coordination.coordinator import Coordinator, Turning, list_turns
 from selector.coordination.model import CoordinatorModel
 from selector.documents.errors import DocumentError
 from selector.knowledge import load_knowledge
 from selforg.commands import Commands
+from selforg.compiler.records import Packed
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
@@ -166,7 +167,7 @@ def test_a_network_inside_is_listed_as_stale_once():
     none = np.zeros(0, dtype=np.int64)
     turning = Turning(none, np.array([1, 1, 0]), *(np.zeros(size, dtype=np.int64) for size in (3, 1, 3)))
     inner.state.values[:] = 1.0
-    records = (TURNING.pack(turning), outer.packed, model.packed, inner.packed)
+    records = (Packed(turning), outer.packed, model.packed, inner.packed)
     for reset in ([0.0, 1.0, 1.0], [1.0, 1.0, 1.0]):
         list_turns(0.0, np.array([0, 2]), *(packed.handle for packed in records))
         assert (turning.acting[:2].tolist(), turning.length[0], turning.stale.tolist()) == ([0, 2], 2, [0, 1, 0])

@@ -15,7 +15,7 @@ import pytest
 
 from selforg.arrays import KEPT, Flags, Floats, Ints, Links
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Handle, Packed, Recording, numba_type
+from selforg.compiler.records import Handle, Packed, numba_type, opening
 from tests.paths import ROOT
 
 
@@ -32,8 +32,7 @@ class Other(NamedTuple):
     places: Annotated[Floats, "N 2", KEPT]
 
 
-SAMPLE, OTHER = Recording(Sample), Recording(Other)
-open_sample = SAMPLE.open
+open_sample, open_other = opening(Sample), opening(Other)
 
 
 def test_arrays_are_understood_in_the_hints_of_all_versions_of_numpy():
@@ -62,7 +61,7 @@ def sample() -> Sample:
 
 
 def test_compiled_code_reads_and_writes_the_arrays_of_a_record():
-    packed = SAMPLE.pack(sample())
+    packed = Packed(sample())
     assert [look_and_write(packed.handle, row) for row in range(3)] == [6, 6, 6]
     assert packed.record.places[:, 1].tolist() == [-7.0, -4.5, -2.0]
     assert packed.record.links.tolist() == [[3, 4]] * 3
@@ -81,18 +80,18 @@ def test_compiled_code_reads_and_writes_the_arrays_of_a_record():
 )
 def test_a_field_that_compiled_code_would_misread_is_refused_by_name(field, wrong):
     with pytest.raises(TypeError, match=rf"Sample\.{field}: expected a C-contiguous"):
-        SAMPLE.pack(sample()._replace(**{field: wrong}))
+        Packed(sample()._replace(**{field: wrong}))
 
 
 def test_a_record_of_another_class_is_refused():
     with pytest.raises(TypeError, match="expected a Sample, got Other"):
-        SAMPLE.pack(Other(np.zeros((3, 2))))
+        Packed(sample()).replace(Other(np.zeros((3, 2))))
 
 
 def test_words_keep_the_arrays_alive():
     given = sample()
     kept = weakref.ref(given.counts)
-    words = SAMPLE.pack(given).handle
+    words = Packed(given).handle
     del given
     gc.collect()
     assert kept() is not None
@@ -101,7 +100,7 @@ def test_words_keep_the_arrays_alive():
 
 @pytest.mark.parametrize("copied", [copy.deepcopy, lambda packed: pickle.loads(pickle.dumps(packed))])
 def test_a_copy_works_on_arrays_of_its_own(copied):
-    original = SAMPLE.pack(sample())
+    original = Packed(sample())
     twin: Packed[Sample] = copied(original)
     look_and_write(twin.handle, 1)
     assert twin.record.places[1, 1] == -4.5
@@ -113,18 +112,18 @@ def test_a_copy_works_on_arrays_of_its_own(copied):
 
 def test_owner_and_record_share_their_arrays_in_a_copy_too():
     given = sample()
-    owner = {"places": given.places, "packed": SAMPLE.pack(given)}
+    owner = {"places": given.places, "packed": Packed(given)}
     twin = copy.deepcopy(owner)
     look_and_write(twin["packed"].handle, 1)
     assert twin["places"][1, 1] == -4.5
 
 
 SWITCHED = """
-from tests.selforg.compiler.test_records import OTHER, SAMPLE, Other, look_and_write, np, sample
-packed = SAMPLE.pack(sample())
+from tests.selforg.compiler.test_records import Other, Packed, look_and_write, np, sample
+packed = Packed(sample())
 print([int(look_and_write(packed.handle, row)) for row in range(3)], packed.record.places[:, 1])
 try:
-    print(look_and_write(OTHER.pack(Other(np.zeros((3, 2)))).handle, 1))
+    print(look_and_write(Packed(Other(np.zeros((3, 2)))).handle, 1))
 except Exception as error:
     print(type(error).__name__)
 """

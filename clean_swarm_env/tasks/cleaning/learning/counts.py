@@ -30,7 +30,7 @@ from clean_swarm_env.world.parts.measure import Achievement
 from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import KEPT, READ, Flags, Floats, Ints
 from selforg.compiler.decorators import inlined, lean_kernel, long_kernel
-from selforg.compiler.records import Handle, Packed, Recording, Written
+from selforg.compiler.records import Handle, Packed, Written, opening
 from selforg.plugins import is_own
 from selforg.program import COUNTING, Rows, Step
 
@@ -59,8 +59,7 @@ class PaidWork(NamedTuple):
     length: float  # of a tick [s]
 
 
-PAID_RECORD = Recording(PaidWork)
-open_paid = PAID_RECORD.open
+open_paid = opening(PaidWork)
 
 
 class CleaningCounts:
@@ -73,7 +72,7 @@ class CleaningCounts:
         self._worlds, self._period, self._followed = worlds, period, followed
         self._floor: Packed[FloorRecord] = task.site.packed
         self._terms = np.zeros((worlds.worlds, len(CostTerms._fields)))
-        self._paid = PAID_RECORD.pack(
+        self._paid = Packed(
             PaidWork(
                 paid=task.garbage.paid,
                 had=np.full(worlds.rows, NOTHING, dtype=np.int64),
