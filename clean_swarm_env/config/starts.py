@@ -6,7 +6,6 @@ So a scenario does not depend on the number of scenarios or workers, nor do its 
 
 import zlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Final, Self
 
@@ -31,47 +30,27 @@ MOST_DRAWS: Final = 10_000
 """Draws for places among walls before they fail."""
 
 
-@dataclass(frozen=True)
-class Places:
-    """Where items come: anywhere on the ground `size` (2,), or evenly within `radius` of a spot (S, 2) [m].
-
-    `extent` (2,) [m] is the torus of the physics; on a walled field it is larger than the ground.
-    """
-
-    size: Floats
-    spots: Floats
-    radius: float
-    extent: Floats
-
-    @classmethod
-    def of(cls, mission: MissionConfig) -> "Places":
-        """Return where the items of a mission come at first."""
-        items = items_of(mission)
-        return cls(mission.size, np.array(items.spots).reshape(-1, 2), items.spot_radius, np.array(mission.extent))
-
-    def at(self, spots: Sequence[Point]) -> "Places":
-        """Return the same with other spots."""
-        return replace(self, spots=np.array(spots).reshape(-1, 2))
-
-    def draw(self, count: int, rng: np.random.Generator, mission: MissionConfig) -> Floats:
-        """Return random places (count, 2) [m] that robots of the `mission` can reach."""
-        places = self._draw(count, rng)
-        if not mission.world.has_walls:
+def draw_places(count: int, rng: np.random.Generator, mission: MissionConfig, spots: Sequence[Point]) -> Floats:
+    """Return random places (count, 2) [m] that robots can reach: about `spots` [m], or anywhere without any."""
+    places = _anywhere(count, rng, mission, spots)
+    if not mission.world.has_walls:
+        return places
+    for _ in range(MOST_DRAWS):
+        blocked = np.flatnonzero([not mission.is_free(place) for place in places])
+        if not len(blocked):
             return places
-        for _ in range(MOST_DRAWS):
-            blocked = np.flatnonzero([not mission.is_free(place) for place in places])
-            if not len(blocked):
-                return places
-            places[blocked] = self._draw(len(blocked), rng)
-        raise ConfigurationError("task: expected room for items among the walls, found none")
+        places[blocked] = _anywhere(len(blocked), rng, mission, spots)
+    raise ConfigurationError("task: expected room for items among the walls, found none")
 
-    def _draw(self, count: int, rng: np.random.Generator) -> Floats:
-        if not len(self.spots):
-            return rng.uniform(size=(count, 2)) * self.size
-        spot, share, turn = rng.uniform(size=(count, 3)).T
-        chosen = self.spots[(spot * len(self.spots)).astype(np.int64)]
-        ways = np.stack(unit_vectors(2.0 * np.pi * turn), axis=1)
-        return Torus(*self.extent.tolist()).wrap(chosen + self.radius * np.sqrt(share)[:, None] * ways)
+
+def _anywhere(count: int, rng: np.random.Generator, mission: MissionConfig, spots: Sequence[Point]) -> Floats:
+    """Return random places (count, 2) [m], also in walls: even on the ground, or on the discs around `spots`."""
+    if not spots:
+        return rng.uniform(size=(count, 2)) * mission.size
+    spot, share, turn = rng.uniform(size=(count, 3)).T
+    chosen = np.array(spots)[(spot * len(spots)).astype(np.int64)]
+    ways = np.stack(unit_vectors(2.0 * np.pi * turn), axis=1)
+    return Torus(*mission.extent).wrap(chosen + items_of(mission).spot_radius * np.sqrt(share)[:, None] * ways)
 
 
 def random_start(mission: MissionConfig, seed: int, index: int) -> StartConfiguration:
@@ -90,12 +69,11 @@ def drawn_start(mission: MissionConfig, sequence: np.random.SeedSequence, name: 
     if items_of(mission) is NO_ITEMS:
         return StartConfiguration(id=name, robots=())
     for_robots, for_items = sequence.spawn(2)
-    size = np.array([mission.world.width, mission.world.height])
     radii = mission.of_each("radius")[: mission.robots.count] if mission.world.contacts == "solid" else None
     rng = np.random.default_rng(for_robots)
-    positions = _positions_apart(mission, size, radii, rng)
+    positions = _positions_apart(mission, radii, rng)
     headings = rng.uniform(-np.pi, np.pi, size=(mission.robots.count, 1))
-    items = Places.of(mission).draw(items_of(mission).count, np.random.default_rng(for_items), mission)
+    items = draw_places(items_of(mission).count, np.random.default_rng(for_items), mission, items_of(mission).spots)
     return StartConfiguration(
         id=name,
         robots=tuple((x, y, heading) for (x, y), (heading,) in zip(positions.tolist(), headings.tolist(), strict=True)),
@@ -103,9 +81,9 @@ def drawn_start(mission: MissionConfig, sequence: np.random.SeedSequence, name: 
     )
 
 
-def _positions_apart(mission: MissionConfig, size: Floats, radii: Floats | None, rng: np.random.Generator) -> Floats:
-    """Return (N, 2) uniform free positions [m] on the ground `size` (2,), with room for discs of `radii` (N,) [m]."""
-    count, extent = mission.robots.count, np.array(mission.extent)
+def _positions_apart(mission: MissionConfig, radii: Floats | None, rng: np.random.Generator) -> Floats:
+    """Return (N, 2) uniform free positions [m] on the ground, with room for discs of `radii` (N,) [m]."""
+    count, size, extent = mission.robots.count, mission.size, np.array(mission.extent)
     positions = np.empty((count, 2))
     for placed in range(count):
         for _ in range(START_TRIES):

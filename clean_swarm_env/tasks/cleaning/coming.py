@@ -8,7 +8,7 @@ import numpy as np
 
 from clean_swarm_env.config.events import Event, Land, MoveSpots, MoveStations, Respawn
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.starts import Places
+from clean_swarm_env.config.starts import draw_places
 from clean_swarm_env.config.tasks import expected_items, items_keep_coming, items_of
 from clean_swarm_env.tasks.cleaning.garbage import Arrivals
 from clean_swarm_env.tasks.cleaning.site import Site
@@ -21,7 +21,7 @@ class Coming:
     """The garbage that comes to one world.
 
     Attributes:
-        garbage: where it comes.
+        spots: where it comes; empty: anywhere [m].
         arrivals: when it comes by itself.
         landings: random numbers for what lands.
         landing: items that have still to land.
@@ -31,7 +31,8 @@ class Coming:
 
     def __init__(self, mission: MissionConfig, seed: np.random.SeedSequence) -> None:
         arriving, self.landings, _ = own_streams(seed)
-        self.garbage, items = Places.of(mission), items_of(mission)
+        items = items_of(mission)
+        self.spots = items.spots
         self.arrivals = Arrivals(arriving, items.respawn, 60.0 * mission.world.control_rate)
         self.landing, self.came = expected_items(mission) - items.count, items.count
         self._ends = not items_keep_coming(mission)
@@ -66,7 +67,7 @@ class Comings:
     @property
     def at_spots(self) -> Flags:
         """Where (W,) garbage comes about spots now."""
-        return np.array([coming is not None and len(coming.garbage.spots) > 0 for coming in self._comings])
+        return np.array([coming is not None and len(coming.spots) > 0 for coming in self._comings])
 
     def came(self, number: int) -> int:
         """Return how many items have come into a world, those without room included: whatever robots do."""
@@ -77,7 +78,7 @@ class Comings:
         """Let the items come that arrive up to a tick; return the tick of the next one."""
         coming = self._comings[number]
         assert coming is not None  # the world has been reset
-        for places in coming.arrivals.until(tick, coming.garbage, self._world.missions[number]):
+        for places in coming.arrivals.until(tick, coming.spots, self._world.missions[number]):
             coming.came += self._site.land(number, places)
         return coming.arrivals.due
 
@@ -87,12 +88,13 @@ class Comings:
         assert coming is not None  # the world has been reset
         if isinstance(event, Land):
             mission = self._world.missions[number]
-            coming.came += self._site.land(number, coming.garbage.draw(event.items, coming.landings, mission))
+            places = draw_places(event.items, coming.landings, mission, coming.spots)
+            coming.came += self._site.land(number, places)
             coming.landing -= event.items
             self.over[number] = coming.over
         elif isinstance(event, Respawn):
             coming.arrivals.set_rate(event.rate, int(self._world.ticks[number]))
         elif isinstance(event, MoveSpots):
-            coming.garbage = coming.garbage.at(event.spots)
+            coming.spots = event.spots
         elif isinstance(event, MoveStations):
             self._site.put_stations(number, np.array([event.recycling, event.dump]))

@@ -10,14 +10,15 @@ exponential draw. So a change of the rate keeps the waiting time that has passed
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import ceil
 from typing import Annotated
 
 import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.starts import Places
+from clean_swarm_env.config.starts import draw_places
+from clean_swarm_env.config.types import Point
 from clean_swarm_env.world.mission_end import NO_TICK
 from clean_swarm_env.world.parts.things import TaskState
 from selforg.arrays import KEPT, Floats, Ints, Within
@@ -112,10 +113,10 @@ class Arrivals:
         self._expected = float(rng.exponential())  # number of items expected until the next one arrives
         self._count_from(0.0, rate)
 
-    def until(self, tick: int, places: Places, mission: MissionConfig) -> Iterator[Floats]:
+    def until(self, tick: int, spots: Sequence[Point], mission: MissionConfig) -> Iterator[Floats]:
         """Yield the place (1, 2) [m] of each item that has arrived by `tick`."""
         while self.due <= tick:
-            yield places.draw(1, self._rng, mission)
+            yield draw_places(1, self._rng, mission, spots)
             self._expected = float(self._rng.exponential())
             self._count_from(self._next_time, self._rate)
 

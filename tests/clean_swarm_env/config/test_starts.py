@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from clean_swarm_env.config.frames import frame_of
 from clean_swarm_env.config.load import load_experiment, load_mission, random_starts
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
-from clean_swarm_env.config.starts import Places, distances, for_start, random_start, run_seed
+from clean_swarm_env.config.starts import distances, draw_places, for_start, random_start, run_seed
 from clean_swarm_env.config.tasks import item_rows
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.learning.batch import Batch
@@ -50,8 +50,10 @@ def test_random_starts_lie_on_the_torus_and_solid_robots_apart(seed, count, widt
 
 def test_items_lie_evenly_about_spots_across_the_seam_too():
     size, spots = np.array([7.0, 11.0]), np.array([[0.2, 10.9], [4.0, 5.0]])
-    places = Places(size, spots, 2.0, size)
-    drawn = places.draw(4000, np.random.default_rng(4), MissionConfig())
+    task = {"garbage": {"spot_radius": 2.0}, "stations": {"recycling": [0, 0], "dump": [1, 1]}}
+    about = {"world": {"width": 7.0, "height": 11.0}, "task": task}
+    mission = MissionConfig.model_validate(about)
+    drawn = draw_places(4000, np.random.default_rng(4), mission, spots.tolist())
     assert drawn.min() >= 0.0
     assert (drawn < size).all()
     offsets = np.abs(drawn[:, None] - spots)
@@ -60,7 +62,7 @@ def test_items_lie_evenly_about_spots_across_the_seam_too():
     assert near.max() <= 2.0
     assert np.mean(distances.argmin(axis=1) == 0) == pytest.approx(0.5, abs=0.03)
     assert np.mean(near < np.sqrt(2.0)) == pytest.approx(0.5, abs=0.03)  # half of the disc holds half of the items
-    assert np.ptp(places.at([(3.0, 3.0)]).draw(50, np.random.default_rng(1), MissionConfig()), axis=0).max() <= 4.0
+    assert np.ptp(draw_places(50, np.random.default_rng(1), mission, [(3.0, 3.0)]), axis=0).max() <= 4.0
 
 
 def test_random_starts_are_uniform():
