@@ -77,14 +77,14 @@ def _draw_family(axes: Axes, family: str, groups: Mapping[str, Sequence[HeldResu
     """Draw the curves of all trainings on one family."""
     seen = []
     for place, (name, group) in enumerate(groups.items()):
-        curves = [curve for one in group if len(curve := _points(one, family)[0])]
-        for one, curve in zip(group, curves, strict=False):
-            best = np.flatnonzero(_points(one, family)[1]).tolist()
-            alone = {"lw": 1.5, "label": label_of(name)} if len(curves) == 1 else {"lw": 0.6, "alpha": 0.5}
+        measured = [found for one in group if len((found := _points(one, family))[0])]
+        for curve, best in measured:
+            alone = {"lw": 1.5, "label": label_of(name)} if len(measured) == 1 else {"lw": 0.6, "alpha": 0.5}
             axes.plot(*curve.T, color=colour_of(place), marker="D", markersize=4, markevery=best, **alone)
             seen.append(curve[:, 1])
-        if len(curves) > 1:
-            _draw_mean(axes, np.stack([curve[: min(map(len, curves))] for curve in curves]), place, label_of(name))
+        if len(measured) > 1:
+            shortest = min(len(curve) for curve, _ in measured)
+            _draw_mean(axes, np.stack([curve[:shortest] for curve, _ in measured]), place, label_of(name))
     held = {one.validation.held: one.validation for group in groups.values() for one in group if one.validation}
     for label, validation in held.items():
         if family in validation.yardstick:
@@ -107,8 +107,8 @@ def _draw_mean(axes: Axes, curves: Floats, place: int, label: str) -> None:
     axes.fill_between(along, low, high, color=colour_of(place), alpha=0.2, linewidth=0.0)
 
 
-def _points(one: HeldResults, family: str) -> tuple[Floats, list[bool]]:
-    """Return decisions and excess (T, 2) of the measured checkpoints, and which were the best so far."""
+def _points(one: HeldResults, family: str) -> tuple[Floats, list[int]]:
+    """Return decisions and excess (T, 2) of the measured checkpoints, and the numbers of those best so far."""
     entries = [entry for entry in one.history if isinstance(entry.get(family + EXCESS), int | float)]
     points = [(float(entry.get("decisions", 0)), float(entry[family + EXCESS])) for entry in entries]
-    return np.array(points).reshape(-1, 2), [bool(entry.get("best")) for entry in entries]
+    return np.array(points).reshape(-1, 2), [k for k, entry in enumerate(entries) if entry.get("best")]

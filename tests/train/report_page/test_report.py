@@ -16,6 +16,7 @@ from train.analysis.verdict import amount
 from train.report_page.charts import distributions
 from train.report_page.page import html_of_markdown
 from train.reports.charts import draw_rows, panels
+from train.reports.curves import draw_curves
 from train.reports.results import results_in
 from train.running import needs
 
@@ -117,6 +118,13 @@ def test_a_training_has_its_curves_and_checkpoints(tmp_path):
     done("report", first, second, "--output", tmp_path / "both.html")
     text = Text((tmp_path / "both.html").read_text())
     assert "mine, 2 seeds" in text.found["text"]
+
+
+def test_the_best_checkpoints_are_those_of_the_curve_that_is_drawn(tmp_path):
+    """A training of the same name that has measured nothing yet has no curve."""
+    unmeasured = trained(tmp_path / "unmeasured", [{"checkpoint": 1, "decisions": 100}])
+    both = draw_curves([results_in(unmeasured), results_in(trained(tmp_path / "measured"))])
+    assert [line.get_markevery() for line in both.axes[0].lines] == [[0, 1]]
 
 
 def test_trainings_stand_beside_the_best_fixed_options(tmp_path):
