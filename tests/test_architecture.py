@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+from docs.figures.update_architecture import stages
 from tests.paths import ROOT
 
 PACKAGES = ("selforg", "selector", "clean_swarm_env", "train", "configs")
@@ -60,6 +61,12 @@ def test_what_the_tick_table_and_the_walks_name_is_defined_in_the_file_beside_it
         source = (ROOT / file).read_text(encoding="utf-8")
         defined = set(re.findall(rf"^ *(?:(?:def|class) ({names})\b)", source, re.MULTILINE))
         assert defined == set(names.split("|")), file
+
+
+def test_the_page_says_what_each_stage_of_a_tick_is_for():
+    text = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
+    table = text.partition("| stage | what it is for |")[2].partition("\n\n")[0]
+    assert re.findall(r"^\| ([A-Z_]+) \| \w", table, re.MULTILINE) == [*stages().values()]
 
 
 def _loaded_after(statement: str) -> set[str]:
