@@ -30,7 +30,9 @@ from selforg.components import (
 )
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
+from selforg.gradients.queries import CHOICES, Filter, Queries
 from selforg.gradients.settings import BufferSettings
+from selforg.gradients.store.columns import PAIR_DISTANCE, PAIR_DX, PAIR_GOAL_RADIUS
 from selforg.mechanisms import (
     Exploration,
     FollowAll,
@@ -44,7 +46,7 @@ from selforg.mechanisms import (
 from selforg.network.step.readings import ReadingError
 from selforg.program import ACT, LEAVE, Rows
 from selforg.randomness import DirectionStream
-from selforg.space import Euclidean
+from selforg.space import Euclidean, Torus
 from tests.selforg.programs import run
 
 ALL, SOME = np.arange(3), np.array([2, 0])
@@ -247,3 +249,26 @@ def test_a_depositing_mechanism_deposits_when_all_movements_are_known(buffer):
     assert not seen.move(1.0)[1].any()
     run(steps, 1.0, LEAVE)
     assert seen.move(1.0)[1].tolist() == [True, True, False]
+
+
+@pytest.mark.parametrize("rule", CHOICES)
+@pytest.mark.parametrize("whole_seconds", [False, True])
+def test_a_target_is_what_a_query_chooses_also_where_much_is_in_view_and_channels_are_new(rule, whole_seconds):
+    rng, rows = np.random.default_rng(3), np.array([4, 0, 3, 1])
+    poses = OwnPoses(Torus(6.0, 6.0), 5, goal_radius=0.2, diffusion=rng.uniform(0.5, 2.0, 5))
+    poses.update(rng.uniform(0.0, 6.0, (5, 2)), np.zeros(5), 1.0)
+    poses.silence([3])
+    buffer = SoBuffer(BufferSettings(whole_seconds=whole_seconds, aggregation_distance=0.0), poses.space, poses)
+    source, look = GoalSource(buffer, rule), Filter()
+    for channel in ("first", "second"):
+        places, sign = rng.uniform(0.0, 6.0, (300, 2)), rng.integers(-1, 2, 300)
+        buffer.store_static(0, channel, places, 1.0, attraction=sign, diffusion=rng.uniform(0.5, 2.0, 300))
+        pairs, found = Queries(buffer).choose(rule, 1.2, rows, look)
+        source.ask(1.2, rows)
+        assert found.tolist() == [True, True, False, True]
+        np.testing.assert_array_equal(source.present[rows], found)
+        np.testing.assert_array_equal(source.offsets[rows], pairs[:, PAIR_DX : PAIR_DX + 2])
+        radii = pairs[:, PAIR_GOAL_RADIUS] + np.where(found, 0.2, 0.0)
+        np.testing.assert_allclose(source.clearance[rows], pairs[:, PAIR_DISTANCE] - radii, atol=1e-12)
+    with pytest.raises(KeyError, match="unknown choice 'best'; known: nearest_attractive"):
+        GoalSource(buffer, "best").ask(1.2, rows)
