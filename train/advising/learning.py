@@ -84,8 +84,8 @@ def training_of(advice: Advice, minutes: float) -> TrainingConfig:
         content["ppo"]["running"] = [goal for goal in content["ppo"]["running"] if goal in held]
     several = [goal for goal, options in options_known(advice).items() if len(options) > 1]
     content["ppo"] |= {"start": {goal: held[goal] for goal in several}, "holds": dict.fromkeys(several, 8)}
-    seconds = sum(map(seconds_of, advice.done.values()))
-    mission, ticks = evaluation.mission, sum(one.result.ticks * one.result.robots for one in advice.done.values())
+    done, mission = advice.search.done.values(), evaluation.mission
+    seconds, ticks = sum(map(seconds_of, done)), sum(one.result.ticks * one.result.robots for one in done)
     rate = OF_PPO * ticks / (mission.decision_period * mission.world.control_rate) / max(seconds, 1e-3)
     wanted = int(np.clip(60.0 * minutes * rate / len(TRAINING_SEEDS), LEAST_DECISIONS, MOST_DECISIONS))
     return TrainingConfig.model_validate(

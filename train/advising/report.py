@@ -62,7 +62,6 @@ class Advice:
     found: SearchResult
     runs: Runs
     stopped: Mapping[str, int]
-    done: Done
 
     @classmethod
     def of(cls, evaluation: Advising, done: Done) -> Advice:
@@ -73,7 +72,7 @@ class Advice:
         names, arms = ((scenario_name("test", k),) for k in range(found.starts)), {arm: (arm,) for arm in going}
         seed, records = evaluation.request.seed, list(done.values())
         runs = Runs(evaluation.family, evaluation.goal, seed, tuple(names), arms, records)
-        return cls(evaluation, search, found, runs, stopped, done)
+        return cls(evaluation, search, found, runs, stopped)
 
     @property
     def held(self) -> dict[str, str]:
@@ -97,7 +96,7 @@ class Advice:
             return None
         names = [[scenario_name("test", k, world) for world in range(2)] for k in range(self.found.starts)]
         both = np.array(
-            [[[self.done[name, arm].result.excess_s for name in own] for own in names] for arm in finalists]
+            [[[self.search.done[name, arm].result.excess_s for name in own] for own in names] for arm in finalists]
         )
         return Ratio.of(cross_fitted(both)[None, :, None], both[:1].mean(axis=2, keepdims=True))
 
@@ -114,7 +113,7 @@ class Advice:
     @cached_property
     def robustness(self) -> perturbed.Robustness | None:
         """What the arms of the last round cost in perturbed worlds, if asked."""
-        return self.evaluation.robustness(self.found.winner, list(self.costs), self.done)
+        return self.evaluation.robustness(self.found.winner, list(self.costs), self.search.done)
 
     @cached_property
     def by_kind(self) -> Ratio | None:
@@ -171,7 +170,7 @@ class Advice:
     @cached_property
     def broken(self) -> dict[str, str]:
         """Arm of which a plug-in broke missions off -> why."""
-        return {one.condition: why for one in self.done.values() if (why := broke_off(one))}
+        return {one.condition: why for one in self.search.done.values() if (why := broke_off(one))}
 
     def _ended(self, arm: str) -> str:
         """Return how an arm ended that was stopped in the last round."""
@@ -297,7 +296,8 @@ class Advice:
         for name in self.found.choosers:
             if new := untrained(name, decider_named(name, own), self.runs.missions, own):
                 told.append(f"{new}.")
-        spent = sum(self.evaluation.price(run) for run in self.done.values() if perturbed.IN_WORLD not in run.condition)
+        runs = self.search.done.values()
+        spent = sum(self.evaluation.price(run) for run in runs if perturbed.IN_WORLD not in run.condition)
         if spent > OVER * budget:
             unit, word = (1.0, "missions") if self.evaluation.missions else (60.0, "min of processors")
             took = f"{amount(spent / unit)} {word} in place of {amount(budget / unit)}"
@@ -348,8 +348,8 @@ class Advice:
             "stopped": dict(self.stopped),
             "better": self.better,
             "worth_it": bool(self.better or self.gains) and not self.unjudged,
-            "missions": len(self.done),
-            "cpu_s": round(sum(map(seconds_of, self.done.values())), 1),
+            "missions": len(self.search.done),
+            "cpu_s": round(sum(map(seconds_of, self.search.done.values())), 1),
         }
 
 

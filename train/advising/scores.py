@@ -23,7 +23,7 @@ def learned_from_rounds(advice: Advice) -> LearnedScores:
     """
     found: LearnedScores = {}
     names = [scenario_name("test", k) for k in range(advice.found.starts)]
-    rewards = [advice.search.reward(advice.done[name, advice.found.winner]) for name in names]
+    rewards = [advice.search.reward(advice.search.done[name, advice.found.winner]) for name in names]
     bases, table = held_by(advice.evaluation.opened, advice.found.leader), options_known(advice)
     for column, (goal, best) in enumerate(advice.held.items()):
         known = {one.name for one in table[goal]}

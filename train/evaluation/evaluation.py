@@ -8,7 +8,6 @@ from statistics import fmean
 from typing import Any
 
 from clean_swarm_env.config.mission import MissionConfig
-from selector.documents.errors import DocumentError
 from train.evaluation.comparison import Comparison
 from train.memory import Memory, as_plain
 from train.reports.text_table import Publication
@@ -92,13 +91,10 @@ class Evaluation(ABC):
     def mistake(self, record: RunRecord) -> str:
         """Return why a run kept in the directory is not one of this evaluation; empty if it is.
 
-        It may be of further scenarios and of other conditions.
+        It may be of further scenarios and of other conditions. DocumentError if there is no such scenario.
         """
         document = self.comparison.document
-        try:
-            return record.mistake(document.name, self.comparison.seed, document.bound(record.scenario))
-        except DocumentError:
-            return "there is no such scenario"
+        return record.mistake(document.name, self.comparison.seed, document.bound(record.scenario))
 
     def expected(self, done: Done) -> int:
         """Return an estimate of the number of all runs; 0 if those that are known are all."""

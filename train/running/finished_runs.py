@@ -87,13 +87,13 @@ def runs_of(path: Path, mistake: Callable[[RunRecord], str] = lambda record: "")
         where = f"{shown(path)}: line {number}"
         try:
             record = RunRecord.of_mapping(json_value(line, where))
+            mistaken = "is there twice" if record.key in records else mistake(record)
         except (ValueError, TypeError) as error:
             why = str(error).removeprefix(f"{where}: ")
             raise ConfigurationError(f"{where}: expected a finished run: {why}") from error
-        why = "is there twice" if record.key in records else mistake(record)
-        if why:
+        if mistaken:
             run = f"scenario {record.scenario}, condition {record.condition}"
-            raise ConfigurationError(f"{where}: {run}: {why}; not a run of this evaluation")
+            raise ConfigurationError(f"{where}: {run}: {mistaken}; not a run of this evaluation")
         records[record.key] = record
     return list(records.values())
 

@@ -57,7 +57,7 @@ def test_a_single_fixed_option_is_not_called_the_best():
 def test_costs_of_tasks_with_measures_are_known_however_a_mission_ends(name, tests):
     own = [record("test-1", "a"), record("test-1", "b", completed=False)]
     runs = Runs(load_family(name), "", 0, (("test-1",),), {"a": ("a",), "b": ("b",)}, own)
-    advice = Advice(None, None, SimpleNamespace(winner="b"), runs, {}, {})
+    advice = Advice(None, None, SimpleNamespace(winner="b"), runs, {})
     assert len(advice.ratio("a").tests) == len(ratio_of(runs, "a", "b").tests) == tests
 
 

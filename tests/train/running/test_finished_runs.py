@@ -4,10 +4,11 @@ import json
 
 import pytest
 
+from clean_swarm_env.config.load import load_family
 from clean_swarm_env.config.types import ConfigurationError
 from tests.train.commands import runs
 from tests.train.records import record
-from train.running.finished_runs import Results, natural_order
+from train.running.finished_runs import Results, natural_order, runs_of
 from train.running.run_folder import RunFolder
 
 MANIFEST = {"identity": {"experiment": "x"}}
@@ -59,6 +60,13 @@ def test_a_broken_journal_is_an_error(tmp_path):
     (tmp_path / "runs.jsonl").write_text('{"experiment": 3}\n')
     with pytest.raises(ConfigurationError, match=r"runs\.jsonl: line 1: expected a finished run"):
         opened(tmp_path, resume=True)
+
+
+def test_a_run_of_a_scenario_that_there_is_not_is_an_error(tmp_path):
+    opened(tmp_path).add(record("test-0"))
+    family = load_family("clustered")
+    with pytest.raises(ConfigurationError, match=r"runs\.jsonl: line 1: expected a finished run: .* such as test-3"):
+        runs_of(tmp_path / "runs.jsonl", lambda held: str(family.bound(held.scenario)))
 
 
 def test_scenarios_sort_by_their_numbers():
