@@ -35,7 +35,6 @@ EXEMPT = {
     "docs/environment.md: rewards": "weights and their defaults; a test compares it with the code",
     "docs/walls.md: | setting | unless given | what |": "settings and their defaults",
     "docs/tasks.md: tasks": "names, options and targets; a test compares it with the code",
-    "docs/tasks.md: terms": "what a term says; a test compares it with the code",
 }
 """Page and mark, or page and head of the table -> why its numbers are no results."""
 

@@ -23,6 +23,7 @@ import yaml
 from clean_swarm_env.config.load import load_experiment, load_family, load_mission
 from clean_swarm_env.learning.reward import RewardConfig
 from clean_swarm_env.recording.reader import RecordedMission
+from examples.read_recording import read
 from selector.configurations.library import Library
 from selector.coordination.robot_document import network_from, read_robot
 from selector.documents.find import load_file
@@ -136,16 +137,19 @@ def test_code_runs_and_prints_what_the_page_says(block, folder, capsys):
     assert LEAVES.get(block.page, bool)(names)
 
 
+ALONE = "examples/read_recording.py"
+
+
 def test_what_was_recorded_is_read_without_our_code(folder, capsys):
-    program, moment, stream, alone = blocks("docs/recordings.md", "python")
+    program, moment, stream = blocks("docs/recordings.md", "python")
     names = program.run()
     assert "traces of pheromone at 20 s" in capsys.readouterr().out
     moment.run(names)
     assert "{'AvoidCollision': " in capsys.readouterr().out
     stream.run(names)
     assert {line.split()[0] for line in capsys.readouterr().out.splitlines()} == {f"{k / 5}" for k in range(11)}
-    assert not re.search(r"^(from|import) (?!json|struct|zlib|numpy)", alone.text, flags=re.MULTILINE)
-    channels, recording = alone.run()["channels"], RecordedMission(folder / "recordings" / "run.swarm")
+    assert not re.search(r"^(from|import) (?!json|struct|sys|zlib|pathlib|typing|numpy)", text_of(ALONE), re.MULTILINE)
+    (_, channels), recording = read("recordings/run.swarm"), RecordedMission(folder / "recordings" / "run.swarm")
     assert set(channels) == set(recording)
     for name, values in recording.items():
         np.testing.assert_array_equal(channels[name], values, name)

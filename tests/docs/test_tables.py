@@ -5,10 +5,8 @@ import re
 import pytest
 
 from clean_swarm_env.learning.batch import Batch
-from clean_swarm_env.learning.observation.term import TERMS
 from clean_swarm_env.learning.reward import RewardConfig, weights_of
-from clean_swarm_env.tasks import TASKS, Cleaning, Task
-from clean_swarm_env.world.by_hand import CHANGES
+from clean_swarm_env.tasks import TASKS, Cleaning
 from clean_swarm_env.world.parts.measure import key_of
 from selector.strategies.registry import STRATEGIES
 from tests.fields import descriptions
@@ -41,15 +39,6 @@ def test_tasks():
     assert table("docs/tasks.md", "tasks") == expected
 
 
-def test_terms_of_tasks():
-    expected = []
-    for name in Task.terms:
-        seen = Batch("Foraging", observation={"terms": [name]}).observer.names if name != "task" else ()
-        components = ", ".join(f"`{component}`" for component in seen) or "none"
-        expected.append([f"`{name}`", TERMS.find(name).meaning(), components])
-    assert table("docs/tasks.md", "terms") == expected
-
-
 @pytest.mark.parametrize("name", OURS)
 def test_parameters_of_strategies(name):
     (row,) = [line for line in text_of("docs/strategies.md").splitlines() if line.startswith(f"| `{name}` |")]
@@ -59,11 +48,3 @@ def test_parameters_of_strategies(name):
         if not details.is_required():
             default = "no" if details.default is False else f"{details.default:g}"
             assert re.search(rf"`{field}` {re.escape(default)}(,|$)", stated.strip(" |")), (field, default)
-
-
-def test_changes_by_hand():
-    rows = re.findall(r"^\| `(\w+)` \| (`.*`) \| (.*) \|$", text_of("docs/play.md"), flags=re.MULTILINE)
-    shown = {do: (set(re.findall(r"`(\w+)`", names)), about) for do, names, about in rows}
-    kinds = {CHANGES.name_of(change): change for change in CHANGES}
-    coded = {do: (set(change.model_fields) - {"do", "tick"}, change.__doc__) for do, change in kinds.items()}
-    assert shown == coded

@@ -16,7 +16,7 @@ from tests.pages import blocks
 from tests.paths import ROOT
 
 pytestmark = pytest.mark.example
-ALONE = {"conflicts.py", "own_task.py", "robot_policy.py", "tiring.py"}
+ALONE = {"conflicts.py", "own_task.py", "read_recording.py", "robot_policy.py", "tiring.py"}
 """Examples without a framework, which other tests try."""
 OURS = ("selforg", "selector", "clean_swarm_env", "train")
 FILES = sorted(path.name for path in (ROOT / "examples").glob("*.py"))
