@@ -61,6 +61,7 @@ class RobotProcess:
         mission: the mission, as an environment takes it; its robots are the team.
         number: which of them this is, from 0 on.
         strategy: what chooses its options, as in `evaluate --strategy`.
+        goal: the goal, or goals joined by `+`, for which the strategy chooses; the one that it is made for unless given.
         start: where robots and items are at first; it counts for the places of things only.
         seed: of the mission, from which all that is random follows.
         timeout: age of the pose at which the wheels stop [s]; that of the robot's model unless given.
@@ -86,6 +87,7 @@ class RobotProcess:
         number: int,
         strategy: str = "MaxScore",
         *,
+        goal: str | None = None,
         start: StartConfiguration | None = None,
         seed: int = 0,
         timeout: float = 0.0,
@@ -110,7 +112,7 @@ class RobotProcess:
         )
         self.worlds = self._batch.worlds
         self._task: Any = self.worlds.task
-        self._decided = DecidedGoal(self._batch, named.decides(None))
+        self._decided = DecidedGoal(self._batch, named.decides(goal))
         self._decider = named.build(self._decided.problem, np.zeros(whole.rows, dtype=np.int64))
         if self._decider.is_baseline or (named.mode == "velocity" and not self._task.thinks_when_driven):
             raise DocumentError(f"{strategy}: expected a strategy that chooses options of the robot, got another")
