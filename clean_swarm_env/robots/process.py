@@ -61,7 +61,7 @@ class RobotProcess:
         mission: the mission, as an environment takes it; its robots are the team.
         number: which of them this is, from 0 on.
         strategy: what chooses its options, as in `evaluate --strategy`.
-        goal: the goal, or goals joined by `+`, for which the strategy chooses; the one that it is made for unless given.
+        goal: the goal, or goals joined by `+`, for which the strategy chooses; unless given, the one it is made for.
         start: where robots and items are at first; it counts for the places of things only.
         seed: of the mission, from which all that is random follows.
         timeout: age of the pose at which the wheels stop [s]; that of the robot's model unless given.

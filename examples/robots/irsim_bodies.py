@@ -1,11 +1,11 @@
-"""The bodies of a mission in IR-SIM, another simulator: its kinematics, noise and contacts, and minds that stay the same.
+"""The bodies of a mission in IR-SIM, another simulator, with its kinematics, noise and contacts; minds stay the same.
 
     pip install "ir-sim==2.12.*"
     python examples/robots/irsim_bodies.py
 
-IR-SIM (MIT licence) moves discs with differential drives in steps of 0.05 s and pushes what overlaps apart. Its drives do
-not do what they are told: in each step speeds and turn rates have errors of 17 %, IR-SIM's usual ones. Poses come from a camera that errs by 2 cm. Items are
-handled, and collisions counted, by our rules.
+IR-SIM (MIT licence) moves discs with differential drives in steps of 0.05 s and pushes what overlaps apart. Drives do
+not do what they are told: in each step speeds and turn rates have errors of 17 %, IR-SIM's usual ones. Poses come from
+a camera that errs by 2 cm. Items are handled, and collisions counted, by our rules.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final
 
@@ -100,9 +101,9 @@ def _walls(mission: MissionConfig) -> Iterator[tuple[tuple[float, float], tuple[
     width, height = mission.world.width, mission.world.height
     low, wide, high = -THICK / 2.0, width + THICK / 2.0, height + THICK / 2.0
     corners = [(low, low), (wide, low), (wide, high), (low, high), (low, low)]
-    yield from zip(corners[:-1], corners[1:], strict=True)
+    yield from pairwise(corners)
     for wall in mission.world.walls:
-        yield from zip(wall.corners[:-1], wall.corners[1:], strict=True)
+        yield from pairwise(wall.corners)
 
 
 def wall_of(begin: Sequence[float], end: Sequence[float]) -> dict[str, Any]:
