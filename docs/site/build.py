@@ -78,6 +78,13 @@ def menu() -> str:
     return "\n" + "\n".join(parts)
 
 
+def records() -> str:
+    """Return a list of all decisions by their titles, for the end of their page."""
+    files = sorted((ROOT / "docs" / "decisions").glob("[0-9]*.md"))
+    titles = [path.read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ") for path in files]
+    return "\n" + "".join(f"- [{title}]({path.name})\n" for title, path in zip(titles, files, strict=True))
+
+
 LARGEST = 25_000_000
 """Most bytes of the site."""
 OUTSIDE = r"[\"']?(?:https?:)?//[^\"'> )]+"
@@ -112,7 +119,8 @@ def main() -> int:
         words = FOUND.get(site_path(path).removesuffix(".md"), ())
         index = f"```{{index}} {', '.join(f'! {word}' for word in words)}\n```\n\n" if words else ""
         before = RECORD if record else HOW_IT_CAME if own else index
-        stage.page(path, before, menu() if path.name == "index.md" else "")
+        after = {"index.md": menu, "decisions/README.md": records}.get(site_path(path), str)
+        stage.page(path, before, after())
     stage.write("keys.md", page_of_keys())
     write_api(stage)
     write_catalogue(stage)
