@@ -75,10 +75,10 @@ def watched(model: PPO, envs: RobotVecEnv) -> Stopwatch:
     watch.watch(model, "train", "SB3: update")
     watch.watch(model, "collect_rollouts", "SB3: rollout")
     watch.watch(envs, "step_wait", "border")
-    watch.watch(batch, "step", "batch: observation, reward, progress")
+    watch.watch(batch, "step", "batch: observation, reward")
     watch.watch(batch, "_start_episode", "batch: new episodes")
     watch.watch(batch.worlds, "hold", "selector")
-    watch.watch(batch.worlds, "tick", "tick")
+    watch.watch(batch.worlds, "run", "ticks and counts")
     return watch
 
 
