@@ -83,7 +83,8 @@ class _ListedOption(Option):
             raise DocumentError(f"{where}: {unknown('option', self.name, tuple(library))}; {own}")
         if (self.configuration or self.parameters) and not self.same(known):
             expected = f"expected {known.meaning}, as in the library, got {self.meaning}"
-            raise DocumentError(f"{where}: option {self.name!r}: {expected}; give it another name")
+            how = f"take that by {{name: {self.name}}}, or give yours another name"
+            raise DocumentError(f"{where}: option {self.name!r}: {expected}; {how}")
         return known.model_copy(update={"score": self.score})
 
 

@@ -2,6 +2,7 @@
 
 from selforg.compiler.records import Recording
 from selforg.declared import fields_of
+from selforg.plugins import is_own
 from tests import kernels
 
 
@@ -11,8 +12,7 @@ def test_fields_that_compiled_code_writes_are_kept_or_scratch_and_others_are_rea
         f"{kind.__name__}.{name}": field.mark.name
         for kind in Recording.of
         for name, field in fields_of(kind).items()
-        if kind.__module__.partition(".")[0] != "tests"
-        and (field.mark.name == "read") == (f"{kind.__name__}.{name}" in written)
+        if not is_own(kind) and (field.mark.name == "read") == (f"{kind.__name__}.{name}" in written)
     }
     assert wrong == {}
 

@@ -151,7 +151,8 @@ def step_on_terminal(names: dict[str, Any], step: RobotStep, before: dict[str, A
     run = "{experiment}, seed {seed}, {condition}, scenario {scenario}".format(**situation)
     options = "; ".join(f"{goal} by {option}" for goal, option in situation["options"].items())
     title = f"{run}\nrobot {situation['robot']} at {situation['time_s']:g} s (step {situation['step']}); {options}"
-    due = f"step {explanation.plan_index + 1} of {len(explanation.plan)} is due" if explanation.plan else ""
+    steps, index = len(explanation.plan or ()), explanation.plan_index
+    due = f"step {index + 1} of {steps} is due" if index < steps else "the plan is done" * bool(steps)
     stayed = f"it has stayed within {STILL:g} m for {before['stayed_s']:g} s"
     told = [
         f"it {before['sentence']}",
