@@ -22,7 +22,7 @@ GROUPS = {
     ),
     "Do": (
         "README", "commands", "keys", "play", "recordings", "environment", "tasks", "own_task", "own_plugins",
-        "learning", "strategies", "knowledge", "clusters",
+        "learning", "strategies", "knowledge", "clusters", "robots",
     ),
     "Understand": (
         "ARCHITECTURE", "glossary", "selector", "network", "walls", "models", "transport", "families",
@@ -52,6 +52,7 @@ FOUND = {
     "recordings": ("recording", "replay"),
     "models": ("robot model", "heterogeneous"),
     "own_task": ("own task", "own mission"),
+    "robots": ("ROS 2", "real robot"),
 }
 """Page -> words whose search leads to it first."""
 

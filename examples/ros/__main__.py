@@ -40,7 +40,8 @@ def run_robot(given: argparse.Namespace) -> int:
     robot = RobotProcess(mission, number, given.strategy, start=start, seed=given.seed, timeout=timeout)
     executor = SingleThreadedExecutor()
     faults = given.loss, given.twice, given.delay
-    node = RobotNode(robot, clock, stamped=True, radius=robot.mission.robots.radius, faults=faults)
+    radius = given.scale * robot.mission.robots.radius
+    node = RobotNode(robot, clock, stamped=not given.twist, radius=radius, scale=given.scale, faults=faults)
     executor.add_node(node)
     if given.lock_step:
         LockStep(node, lambda: executor.spin_once(0.05)).run()
@@ -65,7 +66,7 @@ def run_world(given: argparse.Namespace) -> int:
     """Run the bodies of a mission, and print its figures."""
     mission, clock = mission_of(given), MissionClock(given.epoch, given.speed)
     bodies = ServedBodies(mission, random_start(mission, given.seed, 0), given.seed)
-    executor, node = SingleThreadedExecutor(), WorldNode(bodies, clock)
+    executor, node = SingleThreadedExecutor(), WorldNode(bodies, clock, given.scale)
     executor.add_node(node)
     until = time.monotonic() + WAIT
     while not node.all_there():
@@ -136,6 +137,8 @@ def main() -> int:
     parser.add_argument("--time-limit", type=float, default=0.0, help="of the mission [s], in place of its own")
     parser.add_argument("--strategy", default="MaxScore", help="what chooses options, as in evaluate")
     parser.add_argument("--seed", type=int, default=1, help="of the mission and its start")
+    parser.add_argument("--scale", type=float, default=1.0, help="length on the floor of a unit of the mission [m]")
+    parser.add_argument("--twist", action="store_true", help="command by Twist in place of TwistStamped")
     parser.add_argument("--rate", type=float, default=50.0, help="steps of a robot [1/s]")
     parser.add_argument("--timeout", type=float, default=1.0, help="age of a pose at which wheels stop [s]")
     parser.add_argument("--lock-step", action="store_true", help="wait for everybody in each control period")

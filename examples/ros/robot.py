@@ -2,7 +2,7 @@
 
 | topic | type | | |
 |---|---|---|---|
-| /robot_N/odom | nav_msgs/Odometry | in | its pose in the frame of the mission's ground [m] |
+| /robot_N/odom | nav_msgs/Odometry | in | its pose on the ground, whose lower left corner is [0, 0] [m] |
 | /robot_N/scan | sensor_msgs/LaserScan | in | what the safety filter keeps clear of [m]; without one it does nothing |
 | /robot_N/sensed | std_msgs/String | in | items, cargo and bumps as JSON, with the pose; see `Sensed` |
 | /robot_N/cmd_vel | geometry_msgs/Twist or TwistStamped | out | linear.x [m/s], angular.z [rad/s] |
@@ -42,7 +42,8 @@ class RobotNode(Node):
         robot: the robot.
         clock: the time of the mission.
         stamped: whether commands are TwistStamped.
-        radius: of its body, for the safety filter [m].
+        radius: of its body on the floor, for the safety filter [m].
+        scale: length on the floor of a unit of the mission's lengths [m].
         faults: shares of broadcasts that are lost, and that come twice, and their delay [s], for tests.
 
     """
@@ -54,11 +55,12 @@ class RobotNode(Node):
         *,
         stamped: bool = False,
         radius: float = 0.0,
+        scale: float = 1.0,
         faults: tuple[float, float, float] = (0.0, 0.0, 0.0),
     ) -> None:
         super().__init__(robot.name)
         self.robot, self.clock, self._air, self._faults = robot, clock, Radio(), faults
-        self._radius, self._ranges, self._stamped = radius, LaserScan(), stamped
+        self._radius, self._scale, self._ranges, self._stamped = radius, scale, LaserScan(), stamped
         self._chance, self._waiting = random.Random(robot.name), []  # when heard [s], and what
         self._last: Sensed | None = None
         self._told_in, self._missed, self.ticks, self.damaged = -1, 0, 0, 0
@@ -83,7 +85,8 @@ class RobotNode(Node):
         place, turn = odometry.pose.pose.position, odometry.pose.pose.orientation
         heading = 2.0 * atan2(turn.z, turn.w)
         known = self._last or Sensed(0.0, 0.0, 0.0, 0.0)
-        self._believe(replace(known, stamp=self.clock.now, x=place.x, y=place.y, heading=heading, collisions=0))
+        x, y = place.x / self._scale, place.y / self._scale
+        self._believe(replace(known, stamp=self.clock.now, x=x, y=y, heading=heading, collisions=0))
 
     def sense(self, text: String) -> None:
         """Take what else the robot senses."""
@@ -135,7 +138,7 @@ class RobotNode(Node):
                 self.diagnose(wheels)
         if wheels.handles:
             self._handles.publish(String(data=json.dumps({"tick": tick, "handles": wheels.handles})))
-        self.drive(kept_clear(wheels, self._ranges, self._radius), tick)
+        self.drive(wheels, tick)
 
     def say(self, said: Broadcast) -> None:
         """Say something to all."""
@@ -146,7 +149,10 @@ class RobotNode(Node):
         self._handles.publish(String(data=json.dumps({"tick": tick, "handles": handles})))
 
     def drive(self, wheels: Wheels, tick: int) -> None:
-        """Command the wheels."""
+        """Command the wheels, as fast as the safety filter lets them."""
+        x, y = wheels.vector
+        true = wheels._replace(speed=self._scale * wheels.speed, vector=(self._scale * x, self._scale * y))
+        wheels = kept_clear(true, self._ranges, self._radius)
         command = TwistStamped() if self._stamped else Twist()
         if self._stamped:
             command.header.stamp, command.header.frame_id = self.get_clock().now().to_msg(), str(tick)

@@ -34,9 +34,9 @@ class WorldNode(Node):
 
     """
 
-    def __init__(self, bodies: ServedBodies, clock: MissionClock) -> None:
+    def __init__(self, bodies: ServedBodies, clock: MissionClock, scale: float = 1.0) -> None:
         super().__init__("world")
-        self.bodies, self.clock = bodies, clock
+        self.bodies, self.clock, self._scale = bodies, clock, scale
         self.names = [f"robot_{row}" for row in range(bodies.worlds.rows)]
         self._timeouts = bodies.worlds.mission.of_each("command_timeout")
         self.late = self.ticks = 0
@@ -66,7 +66,7 @@ class WorldNode(Node):
         return sum(self.count_publishers(f"/{name}/cmd_vel") for name in self.names)
 
     def _drive(self, name: str, command: TwistStamped) -> None:
-        speed, turn_rate = command.twist.linear.x, command.twist.angular.z
+        speed, turn_rate = command.twist.linear.x / self._scale, command.twist.angular.z
         self._wheels[name] = Wheels(speed, turn_rate, (0.0, 0.0))
         self._came[name], self._commanded[name] = self.clock.now, int(command.header.frame_id)
 
@@ -91,7 +91,7 @@ class WorldNode(Node):
         """Publish what robots sense."""
         for name, one in zip(self.names, sensed, strict=True):
             self._sensed[name].publish(String(data=as_text(one)))
-            self._odom[name].publish(odometry_of(one, name))
+            self._odom[name].publish(odometry_of(one, name, self._scale))
 
     def run_in_step(self, spin: Callable[[], None]) -> None:
         """Run the whole mission in lock step, tick by tick."""
@@ -124,11 +124,11 @@ class WorldNode(Node):
             self._step[name].publish(String(data=json.dumps(given)))
 
 
-def odometry_of(sensed: Sensed, name: str) -> Odometry:
-    """Return a pose as odometry."""
+def odometry_of(sensed: Sensed, name: str, scale: float) -> Odometry:
+    """Return a pose as odometry, on a floor of `scale` [m] for a unit of the mission's lengths."""
     odometry = Odometry()
     odometry.header.frame_id, odometry.child_frame_id = "ground", name
     pose = odometry.pose.pose
-    pose.position.x, pose.position.y = sensed.x, sensed.y
+    pose.position.x, pose.position.y = scale * sensed.x, scale * sensed.y
     pose.orientation.z, pose.orientation.w = sin(0.5 * sensed.heading), cos(0.5 * sensed.heading)
     return odometry

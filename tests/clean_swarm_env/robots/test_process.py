@@ -32,7 +32,12 @@ WHOLE = [
     ("exploring", "policy:exploring-ppo"),
     ("cleaning-patrol", "policy:one"),
     ("bumpers", "Random"),
-]
+    *((task, "MaxScore") for task in (
+        "AgentCollisionAvoidance", "CircleFormation", "CollectiveExploration", "CollisionAvoidance", "FindBarycenter",
+        "FollowMaxPotential", "FollowPotentialField", "Foraging", "FormationControl", "IndividualExploration",
+        "MaxValue", "ReachGoal", "UniformDistribution",
+    )),
+]  # fmt: skip
 HERE = Sensed(stamp=0.0, x=2.0, y=3.0, heading=0.5)
 
 
