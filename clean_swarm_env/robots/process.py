@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
+from math import isfinite
 from operator import itemgetter
 from pathlib import Path
 from typing import Any, Final
@@ -30,7 +31,7 @@ from clean_swarm_env.physics.drive import update_drives
 from clean_swarm_env.physics.motion import wrapped_angle
 from clean_swarm_env.physics.tick import start_tick
 from clean_swarm_env.recording.recorder import RecordSettings
-from clean_swarm_env.robots.hearing import Ear
+from clean_swarm_env.robots.hearing import EARLIEST, Ear
 from clean_swarm_env.robots.items import check_cargo, handled, put_items
 from clean_swarm_env.robots.sensed import POSE_BUFFER, Broadcast, Emitted, Sensed, Wheels
 from clean_swarm_env.tasks.cleaning.task import Cleaning
@@ -46,6 +47,8 @@ MOST_WAITING: Final = 1_000
 """Broadcasts that wait for the next control period; more are not heard."""
 MOST_HEARD: Final = 20_000
 """Gradients that a buffer holds of what was heard; more are not heard."""
+MOST_TOLD: Final = 400
+"""Gradients that a robot keeps to tell at a time, the newest; so many fit into a datagram."""
 EARLY: Final = 1e-6
 """Share of a control period by which a call may come before it."""
 
@@ -118,6 +121,8 @@ class RobotProcess:
             raise DocumentError(f"{strategy}: expected a strategy that chooses options of the robot, got another")
         self._cleans = isinstance(self._task, Cleaning)
         check_cargo(self.worlds.task)
+        if not (0.0 <= timeout < np.inf and link_timeout > 0.0):
+            raise DocumentError(f"robot: expected timeouts above 0 s, got {timeout} and {link_timeout}")
         self._start(seed, timeout, link_timeout)
 
     def _start(self, seed: int, timeout: float, link_timeout: float) -> None:
@@ -146,14 +151,14 @@ class RobotProcess:
     def sense(self, sensed: Sensed) -> None:
         """Believe what the robot senses; call it as often as there is something new."""
         physics, counts, row, ground = self.worlds.physics, self.worlds.collisions, self.row, self.worlds.floor.ground
+        if self._cleans:
+            put_items(self._task, row, sensed)
         physics.positions[row] = ground.space.wrap(np.array([sensed.x, sensed.y]))
         physics.headings[row] = wrapped_angle(sensed.heading)
         counts.entered_in_tick[row] += sensed.collisions
         near = np.reshape(sensed.near[: len(self._others)], (-1, 2))
         physics.present[self._others] = np.arange(len(self._others)) < len(near)
         physics.positions[self._others[: len(near)]] = ground.space.wrap(near)
-        if self._cleans:
-            put_items(self._task, row, sensed)
         self._sensed = sensed
 
     def tell(self, now: float) -> Broadcast:
@@ -186,7 +191,7 @@ class RobotProcess:
             return False
         if self.ear.refuses(said, self._now):
             return False
-        row, self._link = self.names.index(said.robot), self._now
+        row, self._link = self.names.index(said.robot), max(self._link, min(said.stamp, self._now))
         self._waiting += [(one.gradient.stamp, row, one) for one in said.emitted[:MOST_WAITING]]
         return True
 
@@ -214,6 +219,8 @@ class RobotProcess:
 
     def _end(self, now: float) -> None:
         """End the last control period if `now` [s] is in a later one."""
+        if not isfinite(now):
+            raise DocumentError(f"{self.name}: expected a finite time since the mission began, got {now}")
         worlds, self._now = self.worlds, now
         behind = int(now / worlds.period + EARLY) - worlds.world.tick
         if behind > 0:
@@ -243,7 +250,9 @@ class RobotProcess:
 
     def _why_stopped(self, now: float) -> str:
         """Return why the wheels have to stand at `now` [s]; empty if they need not."""
-        if self._sensed is None or now - self._sensed.stamp > self._timeout:
+        if now < self.worlds.now - self.worlds.period:
+            return "clock"
+        if self._sensed is None or not -EARLIEST <= now - self._sensed.stamp <= self._timeout:
             return "pose"
         return "link" if now - self._link > self._link_timeout else ""
 
@@ -264,7 +273,7 @@ class RobotProcess:
             if tag[c.TAG_SOURCE] == self.row:
                 emitted = Emitted(name, gradient_of_message(buffer, message, tag))
                 self._waiting.append((now, self.row, emitted))
-                self._left = [*self._left[-MOST_WAITING:], emitted]
+                self._left = [*self._left[-MOST_TOLD:], emitted]
 
     def _listen(self, poses: bool) -> None:
         """Put what was said into buffers, and `poses` too, in the order in which it was said."""
@@ -317,7 +326,7 @@ def known_alone(mission: MissionConfig) -> MissionConfig:
         DocumentError: walls or zones that stop messages, which a radio does by itself.
 
     """
-    exact = {"message_range": EVERYWHERE, "pose_noise": 0.0}
+    exact = {"message_range": EVERYWHERE, "pose_noise": 0.0, "pose_drift": 0.0, "slip": 0.0}
     robots = mission.robots.model_copy(
         update=exact
         | {"capacity": mission.rows, "groups": tuple(one.model_copy(update=exact) for one in mission.robots.groups)}

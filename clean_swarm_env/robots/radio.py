@@ -6,8 +6,12 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from rosbags.serde import SerdeError
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+try:
+    from rosbags.serde import SerdeError
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+except ImportError as error:
+    raise ImportError("the radio needs the extra `robots`: pip install 'clean-swarm[robots]'") from error
 
 from clean_swarm_env.robots.sensed import Broadcast, Emitted
 from selector.documents.errors import DocumentError
@@ -42,7 +46,10 @@ class Radio:
         """Return a broadcast as bytes."""
         gradients = [self._message(buffer, one) for buffer, one in said.emitted]
         message = self._broadcast(RADIO_VERSION, said.robot, said.sequence, said.stamp, gradients)
-        return bytes(self._types.serialize_cdr(message, NAMES[1]))
+        raw = bytes(self._types.serialize_cdr(message, NAMES[1]))
+        if len(raw) > MOST_BYTES:
+            raise DocumentError(f"radio: expected a broadcast of at most {MOST_BYTES} bytes, got {len(raw)}")
+        return raw
 
     def decode(self, raw: bytes) -> Broadcast:
         """Return the broadcast that bytes say; DocumentError if they are damaged, or of another version."""

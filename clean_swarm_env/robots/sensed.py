@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import chain
 from math import isfinite
-from typing import NamedTuple
+from typing import NamedTuple, SupportsFloat
 
 from selector.documents.errors import DocumentError
 from selector.documents.plain import short
@@ -55,8 +55,15 @@ class Sensed:
 
     def __post_init__(self) -> None:
         """Check that numbers are finite: sensors break."""
+        for name, good in {
+            "near: expected pairs": all(len(place) == 2 for place in self.near),
+            "items: expected SeenItem by number": all(isinstance(one, SeenItem) for one in self.items.values()),
+            "cargo: expected numbers of items": all(isinstance(item, int) for item in (*self.items, *self.cargo)),
+        }.items():
+            if not good:
+                raise DocumentError(f"sensed: {name}, got {short(self)}")
         numbers = self.stamp, self.x, self.y, self.heading, *chain(*self.near, *self.items.values())
-        if not all(map(isfinite, numbers)):
+        if not all(isinstance(number, SupportsFloat) and isfinite(number) for number in numbers):
             raise DocumentError(f"sensed: expected finite numbers, got {short(numbers)}")
 
 

@@ -101,7 +101,6 @@ class Agendas:
         self._world, self._task, self._clock = world, task, clock
         self._agendas = [None] * world.worlds
         self._due = np.array([NO_TICK])
-        self._awaited = Packed(Awaited(self._due))
 
     def reset(self, number: int, seed: np.random.SeedSequence) -> None:
         """Begin a world anew; its agenda depends on its mission and `seed` only."""

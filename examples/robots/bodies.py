@@ -24,6 +24,7 @@ from clean_swarm_env.world.mission_end import RUNNING, mission_state
 from clean_swarm_env.world.task import coordinators_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import library_of
+from selector.documents.errors import DocumentError
 from selforg.network import state as st
 from selforg.program import AFTER_DECIDING, MOVE, SENSE, STARTING, TELLING, Program
 
@@ -54,6 +55,10 @@ class ServedBodies:
         directories: Sequence[Path] = (),
     ) -> None:
         given, own = mission_from(mission, tuple(directories)), tuple(directories)
+        if any(given.of_each(key).any() for key in ("pose_noise", "pose_drift", "slip")):
+            raise DocumentError(
+                f"mission {given.name}: expected exact poses and wheels, which the bodies decide; got errors"
+            )
         models = coordinators_of(given, knowledge_of(given, own), library_of(own), own)
         self.worlds = worlds = Worlds(given, models, 1, directories=own)
         worlds.reset(0, start or random_start(given, seed, 0), seed)

@@ -129,7 +129,7 @@ class Advising(Evaluation):
         self.goal = JOINT.join(self.opened.goals)
         self.robust = robust and not self.nothing_to_choose
         for number in self.worlds:
-            perturbed.perturbed(self.family, request.seed, number).scenario(request.seed, 0, "test")
+            perturbed.perturbed(self.family.scenario(request.seed, 0, "test").mission, request.seed, number)
         self.stem, self.scenarios, self.context = self.family.name, [], ""
         self.varied: dict[str, list[Option]] = {}
         options = {goal: [one.model_dump(mode="json") for one in own] for goal, own in self.opened.known.table.items()}
@@ -305,7 +305,7 @@ class Advising(Evaluation):
         """Return the tasks of scenarios of an arm, or of one in a perturbed world."""
         member, _, number = arm.partition(perturbed.IN_WORLD)
         family, seed = self.opened.with_knowledge(self.file_of(member)), self.request.seed
-        if number:
-            family = perturbed.perturbed(family, seed, int(number))
         drawn = tuple(family.scenario_named(seed, name) for name in names)
+        if number:
+            drawn = tuple(replace(one, mission=perturbed.perturbed(one.mission, seed, int(number))) for one in drawn)
         return AdviceTask(family.name, seed, drawn, arm, member, self.goal, directories=self.directories).parts()

@@ -15,7 +15,6 @@ from typing import Any
 
 import numpy as np
 
-from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import with_changes
 from selector.documents.errors import validated
@@ -45,25 +44,30 @@ def drawn_world(seed: int, number: int) -> dict[str, float]:
     return {"delay": float(rng.integers(MOST_DELAY + 1)), **own, "speed": round(1.0 + side * own["speed"], 3)}
 
 
-def perturbed(family: FamilyConfig, seed: int, number: int) -> FamilyConfig:
-    """Return a family in world `number` (from 1): the same starts, with errors beside those that its mission has."""
-    drawn, mission = drawn_world(seed, number), family.mission
-    models = []
+def perturbed(mission: MissionConfig, seed: int, number: int) -> MissionConfig:
+    """Return a mission in world `number` (from 1): with errors beside those that it has, also after its events."""
+    drawn, models = drawn_world(seed, number), []
     for model in mission.robots.models:
         sizes = {"pose_noise": model.radius, "pose_drift": model.radius, "slip": 1.0}
         errors = {key: float(np.hypot(getattr(model, key), drawn[key] * size)) for key, size in sizes.items()}
         speeds = {key: getattr(model, key) * drawn["speed"] for key in ("max_speed", "max_turn_rate")}
         models.append({**model.model_dump(), **errors, **speeds})
+
+    def lost(loss: float) -> float:
+        return 1.0 - (1.0 - loss) * (1.0 - drawn["loss"])
+
+    events = [one.model_dump() for one in mission.events]
     own = models[0].keys() if mission.robots.groups else (*errors, *speeds)
     changes = {
         "robots": {"groups": models} if mission.robots.groups else {key: models[0][key] for key in own},
         "delivery": {
-            "loss": 1.0 - (1.0 - mission.delivery.loss) * (1.0 - drawn["loss"]),
+            "loss": lost(mission.delivery.loss),
             "delay": mission.delivery.delay + drawn["delay"] / mission.world.control_rate,
         },
+        "events": [{**one, "loss": lost(one["loss"])} if one["do"] == "deliver" else one for one in events],
     }
     whole = with_changes(mission.model_dump(), changes)
-    return family.model_copy(update={"mission": validated(MissionConfig, whole, f"world {number}", own=True)})
+    return validated(MissionConfig, whole, f"world {number}", own=True)
 
 
 @dataclass(frozen=True)
@@ -92,7 +96,7 @@ class Robustness:
     def holds(self) -> Flags:
         """(P,) whether the held arm costs about as little as the best one of the world."""
         least = np.min(list(self.means.values()), axis=0)
-        return np.asarray(self.means[self.held] <= HOLDS_UP_TO * least)
+        return np.asarray(self.means[self.held] - least <= (HOLDS_UP_TO - 1.0) * np.abs(least))
 
     @property
     def ratio(self) -> Ratio:

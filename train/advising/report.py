@@ -248,9 +248,9 @@ class Advice:
     def _of_worlds(self, robust: perturbed.Robustness) -> list[tuple[int, str, bool, dict[str, float]]]:
         """Return number, best arm, whether the choice holds, and the costs of all arms by those of the choice."""
         held = robust.means[self.found.winner]
-        shares = [
-            {arm: float(own[place] / held[place]) for arm, own in robust.means.items()} for place in range(len(held))
-        ]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratios = {arm: own / held for arm, own in robust.means.items()}
+        shares = [{arm: float(own[place]) for arm, own in ratios.items()} for place in range(len(held))]
         return list(zip(self.evaluation.worlds, robust.best, robust.holds.tolist(), shares, strict=True))
 
     @property

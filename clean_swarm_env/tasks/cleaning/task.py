@@ -199,12 +199,14 @@ class Cleaning(Task[CleaningSettings, TaskState]):
             lost = consequences.packed.record.lost[:count]
             self.site.show_items(lost // self.world.robots, floor.physics.positions[lost])
 
-        def tell(now: float, rows: Ints, found: int) -> None:
+        def tell(now: float, rows: Ints, found: int = 0) -> None:
             minds.tell(self.noticed(), now)
 
         steps = [Step(AFTER_MOVING, show_lost, everyone, suffer, records)]
         if minds.facts:
-            steps.append(Step(TELLING, tell, everyone, has_noticed, (consequences.packed,)))
+            as_here = type(self).noticed is Cleaning.noticed
+            kernel = (has_noticed, (consequences.packed,)) if as_here else ()
+            steps.append(Step(TELLING, tell, everyone, *kernel))
         if consequences.active:
             steps.append(Step(STARTING, let_stand, everyone, let_stand, (team.packed, consequences.packed)))
             steps.append(Step(MOVE, hold_back, everyone, hold_back, (commands, consequences.packed)))

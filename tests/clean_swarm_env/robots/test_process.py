@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.robots.process import RobotProcess
-from clean_swarm_env.robots.sensed import SeenItem, Sensed
+from clean_swarm_env.robots.sensed import Broadcast, SeenItem, Sensed
 from examples.robots.bodies import tick_together
 from selector.documents.errors import DocumentError
 from tests.clean_swarm_env.robots.lock_step import Both, poses_of
@@ -96,6 +96,49 @@ def test_the_wheels_stop_without_a_link_if_there_has_to_be_one():
         assert not robot.step(now).stopped
     robot.sense(Sensed(stamp=3.0, x=2.0, y=3.0, heading=0.5))
     assert robot.step(3.0).stopped == "link"
+
+
+def driving(**more):
+    """A robot of a team of two that drives straight on, and its mission."""
+    mission = {"task": "AgentCollisionAvoidance", "robots": {"count": 2, "command_timeout": 5.0, **more}}
+    return RobotProcess(mission, 0, "fixed:ORCA", timeout=0.5, link_timeout=1.0)
+
+
+def at(robot, now, stamp=None):
+    """Sense, hear the other and step at a time; return the wheels."""
+    robot.sense(Sensed(stamp=now if stamp is None else stamp, x=2.0, y=3.0, heading=0.0))
+    robot.step(now)
+    robot.hear(Broadcast("robot_1", sequence=round(10 * now), stamp=now))
+    return robot.step(now)
+
+
+def test_the_wheels_stop_where_a_clock_is_wrong():
+    robot = driving()
+    assert at(robot, 0.2, stamp=0.9).stopped == ""  # clocks differ a bit
+    assert at(robot, 0.4, stamp=1.7e9).stopped == "pose"
+    assert at(robot, 19.8).stopped == ""
+    assert at(robot, 5.0).stopped == "clock"
+    assert at(robot, 20.0).stopped == ""
+    for now in (np.nan, np.inf):
+        with pytest.raises(
+            DocumentError, match=r"robot_0: expected a finite time since the mission began, got (nan|inf)"
+        ):
+            robot.step(now)
+
+
+def test_what_is_heard_late_is_no_link():
+    robot = driving()
+    assert at(robot, 30.0).stopped == ""
+    robot.sense(Sensed(stamp=32.0, x=2.0, y=3.0, heading=0.0))
+    robot.step(32.0)
+    assert robot.hear(Broadcast("robot_1", sequence=400, stamp=30.5))
+    assert robot.step(32.0).stopped == "link"
+
+
+def test_wheels_of_a_robot_do_not_slip_by_the_mission():
+    slipping, exact = driving(slip=0.5), driving()
+    for now in np.arange(1, 40) / 5.0:
+        assert at(slipping, now) == at(exact, now)
 
 
 def test_between_control_periods_the_wheels_follow_the_newest_heading():

@@ -134,12 +134,16 @@ def test_what_is_held_is_judged_in_perturbed_worlds_on_the_same_starts(tmp_path,
 def test_a_perturbed_world_has_errors_beside_those_of_the_mission():
     robots = [{"model": "a", "count": 1, "radius": 0.1, "slip": 0.3}, {"model": "b", "count": 2, "max_speed": 2.0}]
     family = load_family("table1")
-    whole = family.mission.model_dump() | {"robots": robots, "delivery": {"loss": 0.5}}
-    own = family.model_copy(update={"mission": MissionConfig.model_validate(whole)})
+    events = [{"at": 5.0, "do": "deliver", "loss": 0.2}]
+    own = family.mission.model_dump() | {"robots": robots, "delivery": {"loss": 0.5}, "events": events}
     for number in range(1, 11):
-        drawn, mission = perturbed.drawn_world(7, number), perturbed.perturbed(own, 7, number).mission
+        drawn, mission = (
+            perturbed.drawn_world(7, number),
+            perturbed.perturbed(MissionConfig.model_validate(own), 7, number),
+        )
         first, second = mission.robots.groups
         assert mission.delivery.loss == pytest.approx(1.0 - 0.5 * (1.0 - drawn["loss"]))
+        assert mission.events[0].loss == pytest.approx(1.0 - 0.8 * (1.0 - drawn["loss"]))
         assert mission.delivery.delay == pytest.approx(0.2 * drawn["delay"])
         assert first.slip == pytest.approx(np.hypot(0.3, drawn["slip"]))
         assert first.pose_noise == pytest.approx(0.1 * drawn["pose_noise"])
