@@ -20,12 +20,12 @@ def kept_clear(wheels: Wheels, scan: Any, radius: float) -> Wheels:  # noqa: ANN
 
     >>> from types import SimpleNamespace
     >>> scan = SimpleNamespace(ranges=[5.0, 0.20, 5.0], angle_min=-0.5, angle_increment=0.5, range_min=0.02)
-    >>> kept_clear(Wheels(0.3, 0.1, (0.3, 0.0)), scan, radius=0.1)
-    Wheels(speed=0.12, turn_rate=0.1, vector=(0.12, 0.0), handles=(), stopped='')
+    >>> round(kept_clear(Wheels(0.3, 0.1, (0.3, 0.0)), scan, radius=0.1).speed, 3)
+    0.06
     """
     angles = (scan.angle_min + number * scan.angle_increment for number in range(len(scan.ranges)))
     beams = [(one, angle) for one, angle in zip(scan.ranges, angles, strict=True) if one >= scan.range_min]
     gap = min((one * cos(angle) - radius for one, angle in beams if abs(angle) <= AHEAD), default=SLOW)
     share = min(max((gap - STOP) / (SLOW - STOP), 0.0), 1.0)
     x, y = wheels.vector
-    return wheels._replace(speed=round(share * wheels.speed, 12), vector=(share * x, share * y))
+    return wheels._replace(speed=share * wheels.speed, vector=(share * x, share * y))

@@ -36,6 +36,11 @@ def test_the_nearest_beam_ahead_says_how_fast_a_robot_may_drive(ranges, share):
     assert (clear.turn_rate, clear.handles) == (0.5, ("PickGarbage",))  # it may turn away
 
 
+def test_without_anything_ahead_a_command_keeps_its_bits():
+    wheels = Wheels(0.1 + 0.2, 1 / 3, (2 / 3, 0.7))
+    assert kept_clear(wheels, scan(), radius=0.1) == wheels
+
+
 def test_what_is_beside_or_behind_stops_nobody():
     assert kept_clear(FAST, scan(0.1, 0.1, first=1.2, step=1.9), radius=0.1).speed == 0.3
 
