@@ -72,7 +72,7 @@ def test_storing_changes_nothing(copy):
         ("docs/models.md", "0.96 [0.88, 1.04]", "0.96 [0.88, 1.05]", "options"),
         ("docs/tutorials/selector.md", "19 % [12, 25]", "19 % [13, 25]", "saved"),
         ("README.md", "20 % [17, 24]", "20 % [17, 23]", "choosing"),
-        ("README.md", "ORCA alone costs 59 s", "ORCA alone costs 58 s", "crowd"),
+        ("README.md", "costs 1.17 [1.07, 1.27]", "costs 1.17 [1.07, 1.28]", "crowd"),
         # inputs of a result
         ("configs/families/clustered.yaml", "[6, 12]", "[6, 11]", AGAIN),
         ("configs/missions/exploring.yaml", "stop: 2.0", "stop: 3.0", AGAIN),
@@ -114,8 +114,8 @@ def test_a_quotation_of_a_figure_that_changed_is_found(copy):
         "| `fixed:ORCA` | 0 % | 48.8 | 5.0 | 61.8",
     )
     take("learning/library", root=copy)
-    found = [line for line in numbers.faults(copy) if line.startswith("README.md: README/crowd: ")]
-    assert found == ["README.md: README/crowd: expected figures of learning/library, got 59 (ORCA alone costs)"]
+    found = [line for line in numbers.faults(copy) if line.startswith("docs/results.md: results/crowd: ")]
+    assert found == ["docs/results.md: results/crowd: expected figures of learning/library, got 59 (which costs)"]
 
 
 def test_a_result_that_is_recorded_again_or_kept_for_a_reason_is_up_to_date(copy):
