@@ -35,7 +35,8 @@ def main(arguments: list[str]) -> None:
 
 def as_text(tables: Mapping[str, str]) -> str:
     """Return the tables with a title each."""
-    return "\n\n".join(f"## {TITLES[name]}\n\n{table.strip()}" for name, table in tables.items()) + "\n"
+    parts = [f"## {TITLES[name]}\n\n{table.strip()}" for name, table in tables.items()]
+    return "\n\n".join(["# What came before, tried with our terms", *parts]) + "\n"
 
 
 if __name__ == "__main__":
