@@ -1,4 +1,4 @@
-"""Draws the layers and one tick as SVG: `python -m docs.figures.draw_architecture [DIR]` (default docs/pictures).
+"""Draws the layers as SVG: `python -m docs.figures.draw_architecture [DIR]` (default docs/pictures).
 
 The layers inside a package are those of its contract in `pyproject.toml`.
 """
@@ -18,20 +18,6 @@ PACKAGES = {"train": BETWEEN, "clean_swarm_env": FLOOR, "selector": MINDS, "self
 """Package -> colour, from the top down."""
 UNWRITTEN = {"selforg": "components > mechanisms > gradients | network > compiler > arrays"}
 """Layers of a package without a contract of its own."""
-
-STAGES = (  # (lane, call, what goes on)
-    ("both", "apply_due", "events change teams, garbage, stations, delivery"),
-    ("minds", "spread_bodies, receive", "one instant for all; losses and delays are drawn"),
-    ("minds", "sense", "things and cargo, then vectors of mechanisms, become readings"),
-    ("minds", "decide", "satisfaction, wishes, plans, activation, arbitration"),
-    ("both", "handle_cargo", "the task does what starts now: pick, recycle, dump"),
-    ("minds", "command, act, steer", "the task, then movements command; options that steer change it"),
-    ("minds", "leave", "pheromones and messages, once all vectors are known"),
-    ("floor", "start_tick", "four physics steps: turn, drive, contacts, count collisions"),
-    ("both", "after_moving", "things of the task go on; collisions have consequences"),
-)
-LANES = {"floor": (0, FLOOR), "minds": (1, MINDS), "both": (0.5, BETWEEN)}
-LANE = 350
 
 
 def text(x: float, y: float, words: str, size: float = 13, weight: str = "normal", colour: str = INK) -> str:
@@ -83,27 +69,9 @@ def layers() -> str:
     return svg(10 + len(PACKAGES) * (BOX + GAP), parts)
 
 
-def tick() -> str:
-    """Return the picture of one tick: stages from top to bottom, in the lane of the owner of the arrays they change."""
-    top = 34
-    parts = [text(195, 20, "floor: bodies, items, stations", 13, "bold", PALE)]
-    parts.append(text(565, 20, "minds: buffers, networks, coordinators", 13, "bold", PALE))
-    before = None
-    for number, (lane, title, words) in enumerate(STAGES):
-        place, colour = LANES[lane]
-        x, y = 20 + place * (LANE + 20), top + number * (BOX + GAP)
-        parts += box(x, y, LANE, colour, f"{number + 1} {title}", words)
-        middle = x + LANE / 2
-        if before is not None:
-            parts.append(arrow(before, y - GAP, middle, y))
-        before = middle
-    return svg(top + len(STAGES) * (BOX + GAP), parts)
-
-
 def main(directory: Path) -> None:
-    """Write both pictures into a directory."""
+    """Write the picture into a directory."""
     (directory / "layers.svg").write_text(layers(), encoding="utf-8")
-    (directory / "tick.svg").write_text(tick(), encoding="utf-8")
 
 
 if __name__ == "__main__":
