@@ -54,7 +54,7 @@ class Sensed:
     """Whether its cargo has been recycled."""
 
     def __post_init__(self) -> None:
-        """Check that numbers are finite: sensors break."""
+        """Check shapes, and that numbers are finite: sensors break."""
         for name, good in {
             "near: expected pairs": all(len(place) == 2 for place in self.near),
             "items: expected SeenItem by number": all(isinstance(one, SeenItem) for one in self.items.values()),
@@ -79,7 +79,7 @@ class Wheels(NamedTuple):
     handles: tuple[str, ...] = ()
     """Those of HANDLING that it begins now."""
     stopped: str = ""
-    """Why it stands by its own watchdog: `pose` or `link`; empty if it does not."""
+    """Why it stands by its own watchdog: `pose`, `link` or `clock`; empty if it does not."""
 
 
 class Emitted(NamedTuple):

@@ -93,15 +93,15 @@ class Worlds:
         self.missions = [mission] * worlds
         self.worlds, self.robots, self.rows = worlds, mission.rows, worlds * mission.rows
         self.period = 1.0 / mission.world.control_rate
-        self.clock = self._clock = Clock(worlds, self.period)
+        self.clock = Clock(worlds, self.period)
         self.floor = Floor(mission, worlds)
         kind = task_class(mission)
         self.minds = Minds(mission, models, worlds, kind, directories, explained)
         self.team = Team(mission, self.floor, self.minds)
-        self.world = TaskView(self.missions, self.floor, self.minds, self.team, self._clock)
+        self.world = TaskView(self.missions, self.floor, self.minds, self.team, self.clock)
         self.task: Task[Any, Any] = kind(self.world)
         self.minds.known, self.team.task = self.task.known, self.task
-        self.agendas = Agendas(self.world, self.task, self._clock)
+        self.agendas = Agendas(self.world, self.task, self.clock)
         around = self.minds.surroundings
         around.physics, around.bodies = self.floor.physics, self._bodies
         self.world.go_round_to(self.task.around)
@@ -118,12 +118,12 @@ class Worlds:
     @property
     def ticks(self) -> Ints:
         """Control periods (W,) since the reset of each world."""
-        return self._clock.ticks
+        return self.clock.ticks
 
     @property
     def now(self) -> float:
         """Time of the buffers [s]; it goes on through resets."""
-        return self._clock.now
+        return self.clock.now
 
     @property
     def done(self) -> Flags:
@@ -150,7 +150,7 @@ class Worlds:
             expected = f"{counts[0]} robots and {counts[1]} items"
             raise ValueError(f"start {start.id!r}: expected {expected}, got {given[0]} and {given[1]}")
         self.missions[world], self.world.limits[world] = mission, tick_limit(mission)
-        self._clock.reset(world)
+        self.clock.reset(world)
         self.world.forget_ways(world)
         self.collisions.reset(world)
         rows = self.rows_of(world)
@@ -176,7 +176,7 @@ class Worlds:
             "options": tuple((one.model.goal, one.model.options) for one in self.coordinators),
             "behaviours": tuple(behaviour.name for behaviour in self.network.model.behaviours),
         }
-        return KeptStates(root, self.mission, self.missions, self._clock, {**fits, **alike})
+        return KeptStates(root, self.mission, self.missions, self.clock, {**fits, **alike})
 
     def get_state(self, world: int = 0) -> bytes:
         """Return everything that decides how a world continues, except the vectors that a learner drives it with.
@@ -236,7 +236,7 @@ class Worlds:
         without = THOUGHT if self.world.by_baseline else LED
         if self._driving.length[0] and not self.task.thinks_when_driven:
             without |= THOUGHT
-        program.repeat(self._clock.packed.record.ticks, self._clock.length, ticks, without)
+        program.repeat(self.clock.packed.record.ticks, self.clock.length, ticks, without)
 
     def steps_of(self, first: int, last: int) -> list[Step]:
         """Return the steps of a tick from one stage to another, for those who run parts of it by themselves."""
@@ -254,7 +254,7 @@ class Worlds:
             self._starting(),
             *minds.beginning(self.physics),
             Step(LEAD, lambda now, _: commands.clear(), Rows.of(self._all)),
-            self._clock.advancing(),
+            self.clock.advancing(),
             *task.steps(commands),
             *self.world.finding_ways(),
             *minds.robots.steps(commands),

@@ -32,6 +32,15 @@ def _spread(worlds, ticks=1):
     ]
 
 
+def _errors(worlds, ticks):
+    """Spread poses tick by tick; return how wrong each of them was."""
+    found = []
+    for _ in range(ticks):
+        _spread(worlds)
+        found.append(worlds.minds.poses.positions - worlds.physics.positions)
+    return found
+
+
 def test_poses_reach_robots_within_range():
     assert _spread(_still({"reach": 2.5})) == [1, 1, 0]
     assert _spread(_still({"reach": 3.5})) == [1, 2, 1]
@@ -114,10 +123,7 @@ def test_a_pose_that_came_late_is_kept_for_its_time_from_then_on():
 
 def test_a_drift_of_poses_begins_at_the_start_has_its_size_and_changes_slowly():
     worlds = _still({"own_contents": True}, robots={"pose_drift": 0.2})
-    errors = []
-    for _ in range(8000):
-        _spread(worlds)
-        errors.append(worlds.minds.poses.positions - worlds.physics.positions)
+    errors = _errors(worlds, 8000)
     assert np.abs(errors[0]).max() < 0.1
     assert np.std(errors) == pytest.approx(0.2, rel=0.25)
     later = [np.corrcoef(np.ravel(errors[:-lag]), np.ravel(errors[lag:]))[0, 1] for lag in (1, 100, 1000)]
@@ -127,10 +133,7 @@ def test_a_drift_of_poses_begins_at_the_start_has_its_size_and_changes_slowly():
 
 def test_errors_of_poses_have_their_size_and_are_those_that_all_see():
     worlds = _still({"own_contents": True}, robots={"pose_noise": 0.2})
-    errors = []
-    for _ in range(2000):
-        _spread(worlds)
-        errors.append(worlds.minds.poses.positions - worlds.physics.positions)
+    errors = _errors(worlds, 2000)
     assert np.std(errors) == pytest.approx(0.2, rel=0.03)
     assert abs(np.mean(errors)) < 0.01
     assert np.corrcoef(np.reshape(errors, (-1, 6)).T) == pytest.approx(np.eye(6), abs=0.1)
