@@ -3,8 +3,8 @@
     python -m examples.robots.irsim_ranks examples/robots/irsim_ranks.yaml 40
     python -m examples.robots.irsim_ranks examples/robots/irsim_ranks.yaml
 
-With a number it does missions for so many minutes, start by start, into a file of lines beside the plan; without one it
-only prints the tables of those that are done. Needs IR-SIM (`irsim_bodies.py`).
+With a number it does missions for so many minutes and keeps their figures in a file beside the plan. Without one it
+only prints the tables of the missions that are done. Needs IR-SIM (`irsim_bodies.py`).
 """
 
 from __future__ import annotations

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.robots import RobotModel
 from clean_swarm_env.config.tasks import with_changes
 from selector.documents.errors import validated
 from selforg.arrays import Flags, Floats
@@ -46,20 +47,20 @@ def drawn_world(seed: int, number: int) -> dict[str, float]:
 
 def perturbed(mission: MissionConfig, seed: int, number: int) -> MissionConfig:
     """Return a mission in world `number` (from 1): with errors beside those that it has, also after its events."""
-    drawn, models = drawn_world(seed, number), []
-    for model in mission.robots.models:
+    drawn, robots = drawn_world(seed, number), mission.robots
+
+    def erring(model: RobotModel) -> dict[str, float]:
         sizes = {"pose_noise": model.radius, "pose_drift": model.radius, "slip": 1.0}
         errors = {key: float(np.hypot(getattr(model, key), drawn[key] * size)) for key, size in sizes.items()}
-        speeds = {key: getattr(model, key) * drawn["speed"] for key in ("max_speed", "max_turn_rate")}
-        models.append({**model.model_dump(), **errors, **speeds})
+        return errors | {key: getattr(model, key) * drawn["speed"] for key in ("max_speed", "max_turn_rate")}
 
     def lost(loss: float) -> float:
         return 1.0 - (1.0 - loss) * (1.0 - drawn["loss"])
 
     events = [one.model_dump() for one in mission.events]
-    own = models[0].keys() if mission.robots.groups else (*errors, *speeds)
+    groups = [{**model.model_dump(), **erring(model)} for model in robots.groups]
     changes = {
-        "robots": {"groups": models} if mission.robots.groups else {key: models[0][key] for key in own},
+        "robots": {"groups": groups} if groups else erring(robots),
         "delivery": {
             "loss": lost(mission.delivery.loss),
             "delay": mission.delivery.delay + drawn["delay"] / mission.world.control_rate,
