@@ -24,12 +24,13 @@ if TYPE_CHECKING:  # importing these takes seconds, which `clean-swarm --help` c
     from clean_swarm_env.config.types import ConfigurationError as ConfigurationError
     from clean_swarm_env.learning.actions import ActionConfig as ActionConfig
     from clean_swarm_env.learning.batch import Batch as Batch
+    from clean_swarm_env.learning.batch import mission_begun as mission_begun
+    from clean_swarm_env.learning.batch import run_out as run_out
     from clean_swarm_env.learning.joined import batches_of as batches_of
     from clean_swarm_env.learning.observation.config import ObservationConfig as ObservationConfig
     from clean_swarm_env.learning.observation.term import TERMS as TERMS
     from clean_swarm_env.learning.observation.term import Term as Term
     from clean_swarm_env.learning.reward import RewardConfig as RewardConfig
-    from clean_swarm_env.world.mission import run_mission as run_mission
 
 MODULE_OF = {
     "ConfigurationError": "config.types",
@@ -40,12 +41,13 @@ MODULE_OF = {
     "StartConfiguration": "config.mission",
     "ActionConfig": "learning.actions",
     "Batch": "learning.batch",
+    "mission_begun": "learning.batch",
+    "run_out": "learning.batch",
     "batches_of": "learning.joined",
     "TERMS": "learning.observation.term",
     "Term": "learning.observation.term",
     "ObservationConfig": "learning.observation.config",
     "RewardConfig": "learning.reward",
-    "run_mission": "world.mission",
 }
 """Public name -> module of this package that defines it."""
 

@@ -17,9 +17,9 @@ from clean_swarm_env.drawing.canvas import FRAMES_PER_SECOND
 from clean_swarm_env.drawing.canvases import RecordedCourse
 from clean_swarm_env.drawing.picture import pixels_of
 from clean_swarm_env.drawing.video import WRITERS, write_video
+from clean_swarm_env.learning.batch import mission_begun, run_out
 from clean_swarm_env.recording.reader import RecordedMission
-from clean_swarm_env.recording.recorder import RecordSettings, record_mission
-from clean_swarm_env.world.mission import MissionRun
+from clean_swarm_env.recording.recorder import RecordSettings
 
 SIDE = 700
 STEPS = 100
@@ -44,7 +44,7 @@ def videos(folder: Path) -> dict[str, dict[str, float]]:
     """Return CPU milliseconds a picture and megabytes of the video of each kind."""
     scenario = load_family("crowded").scenario(0, 0, "test")
     mission = scenario.mission.model_copy(update={"time_limit": BEGIN + SECONDS + 1.0})
-    record_mission(MissionRun(mission, scenario.start, scenario.seed, {}), RecordSettings(folder, name="run"), {})
+    run_out(mission_begun(mission, scenario.start, scenario.seed, record=RecordSettings(folder, name="run")))
     course, count = RecordedCourse(RecordedMission(folder / "run.swarm")), round(SECONDS * FRAMES_PER_SECOND)
     figures = {}
     for suffix in WRITERS:

@@ -14,6 +14,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import process_time
 
+import numpy as np
+
 from benchmarks.shared.measuring import by_turns
 from benchmarks.shared.record import record
 from benchmarks.shared.scenes import SEED, mission_of
@@ -21,9 +23,9 @@ from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.load import load_family, with_changes
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.config.types import AVOIDANCE
+from clean_swarm_env.learning.batch import mission_begun
 from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
-from clean_swarm_env.world.mission import Course, MissionRun
-from selector.strategies.registry import StrategySpec
 from train.running.trial_task import TrialTask
 
 OPTION = "RepulsionGradient-from0.25"
@@ -41,20 +43,21 @@ class Going:
 
     def __init__(self, scenario: Scenario, mode: str, folder: Path) -> None:
         known = scenario.mission.knowledge == "avoidance"
-        strategy = StrategySpec(name="Fixed", parameters={"option": OPTION}) if known else StrategySpec(name="MaxScore")
         minds, name = mode == MODES[2], f"{scenario.mission.robots.count} {mode}"
-        run = MissionRun(scenario.mission, scenario.start, scenario.seed, {}, strategy)
-        self.course, self.recorder = Course(run, explained=minds), None
+        self.batch = mission_begun(scenario.mission, scenario.start, scenario.seed, explained=minds)
+        self.recorder = None
+        if known:
+            self.batch.worlds.hold(np.full(self.batch.rows, self.batch.options[AVOIDANCE].index(OPTION)))
         if mode != MODES[0]:
             settings = RecordSettings(folder, minds=minds, name=name, thinking=True)
-            self.recorder = MissionRecorder(self.course.worlds, settings)
+            self.recorder = MissionRecorder(self.batch.worlds, settings)
             self.recorder.open(0, {"scenario": name})
 
     def block(self) -> float:
         """Run a block of control periods; return the CPU seconds."""
         begin = process_time()
         for _ in range(BLOCK):
-            self.course.tick()
+            self.batch.tick()
             if self.recorder is not None:
                 self.recorder.record()
         return process_time() - begin

@@ -17,9 +17,9 @@ from playwright.sync_api import Browser
 from benchmarks.shared.record import record
 from benchmarks.shared.scenes import SEED, mission_of
 from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.learning.batch import mission_begun, run_out
 from clean_swarm_env.recording.reader import RecordedMission
-from clean_swarm_env.recording.recorder import RecordSettings, record_mission
-from clean_swarm_env.world.mission import MissionRun
+from clean_swarm_env.recording.recorder import RecordSettings
 from docs.figures.draw_replay import chromium, opened
 from docs.site.replays import record as record_pair
 from train.evaluation.comparing import Comparing
@@ -35,8 +35,8 @@ ALL_LAYERS = "document.querySelectorAll('#layers input:not(:disabled)').forEach(
 def many(folder: Path) -> list[RecordedMission]:
     """Record a minute of a thousand robots."""
     mission = mission_of(MANY).model_copy(update={"time_limit": 60.0})
-    run = MissionRun(mission, random_start(mission, SEED, 0), SEED, {})
-    record_mission(run, RecordSettings(folder, name="many"), {})
+    record = RecordSettings(folder, name="many")
+    run_out(mission_begun(mission, random_start(mission, SEED, 0), SEED, record=record))
     return [RecordedMission(folder / "many.swarm")]
 
 

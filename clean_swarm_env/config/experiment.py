@@ -10,11 +10,10 @@ from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.mission import MissionConfig, OptionScores, StartConfiguration
 from clean_swarm_env.config.starts import for_start, run_seed
 from clean_swarm_env.config.types import Scenarios
-from selector.coordination.selection import BY_SCORE
 from selector.documents.errors import DocumentError, check_unique
 from selector.documents.fields import Closed, Label, Name, Number
 from selector.documents.trust import BASELINE, FILED_KINDS, FOREIGN_ENDINGS, check_trust
-from selector.strategies.registry import spec_from_text
+from selector.strategies.registry import BY_SCORE, spec_from_text
 from selforg.registry import unknown
 
 
@@ -36,7 +35,7 @@ class ConditionConfig(Closed):
     scores: OptionScores = Field(default={})
     """Goal -> option -> score, in place of that of the expert knowledge; options that are not named keep theirs. A
     mechanism is forced by `strategy: "fixed:OPTION"`."""
-    strategy: Annotated[str, AfterValidator(_checked)] = BY_SCORE.name
+    strategy: Annotated[str, AfterValidator(_checked)] = BY_SCORE
     """What decides in every decision period, as `--strategy` takes it: for the goal that it was made for, else for
     AvoidCollision or the first one; options of the highest score serve the others."""
     measured: Label | None = None

@@ -49,7 +49,7 @@ class Scenario:
 
     Attributes:
         id: name within its family and split.
-        seed: seed of everything random in it, for `run_mission` and `Worlds.reset`.
+        seed: seed of everything random in it, see `Worlds.reset`.
         mission: the mission, with its events.
         start: where robots and items are at first.
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.known import knowledge_of
-from clean_swarm_env.config.mission import StartConfiguration
+from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import for_start
 from clean_swarm_env.learning.actions import ActionConfig, LearnerActions
 from clean_swarm_env.learning.episodes import EnvSettings, EpisodeSource, PictureConfig, Series, episodes_of
@@ -35,7 +35,7 @@ from clean_swarm_env.learning.progress import MissionProgress
 from clean_swarm_env.learning.reward import Rewards
 from clean_swarm_env.learning.warm_up import compile_once, run_through
 from clean_swarm_env.recording.recorder import MissionRecorder
-from clean_swarm_env.world.mission import result_of
+from clean_swarm_env.world.mission import MissionResult, result_of
 from clean_swarm_env.world.mission_end import COMPLETED, RUNNING, TIME_OVER
 from clean_swarm_env.world.states import WorldState
 from clean_swarm_env.world.task import coordinators_of
@@ -331,3 +331,27 @@ class Batch(ManyWorlds):
             totals = {name: int(counts[world]) for name, counts in worlds.task.totals().items()}
             self.finished += (Finished(world, scenario, self.steps(world), result_of(worlds, world), events, totals),)
         return STOP if self.over.all() else ""
+
+
+def mission_begun(
+    mission: MissionConfig, start: StartConfiguration, seed: int, **settings: Unpack[EnvSettings]
+) -> Batch:
+    """Return one world at the start of one mission; its robots hold the options of the highest expert score.
+
+    >>> batch = mission_begun(mission, random_start(mission, seed=1, index=0), seed=2)
+    >>> run_out(batch).completed
+    True
+
+    """
+    scenario = Scenario(start.id, seed, mission, start)
+    settings["source"] = {0: scenario}.get  # which can be pickled
+    batch = Batch(mission, begin_anew=False, **settings)
+    batch.reset()
+    return batch
+
+
+def run_out(batch: Batch) -> MissionResult:
+    """Run the mission of a single world to its end, with the options that its robots hold; return its result."""
+    while not batch.over[0]:
+        batch.tick()
+    return batch.finished[0].result

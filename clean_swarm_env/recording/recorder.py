@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import chain, count
 from pathlib import Path
 from typing import Any, NoReturn, SupportsIndex
@@ -29,7 +29,7 @@ from clean_swarm_env.recording.sampled import (
 )
 from clean_swarm_env.recording.stepping import copy_poses
 from clean_swarm_env.recording.taking import Sampled, WaitingFrames
-from clean_swarm_env.world.mission import Course, MissionResult, MissionRun, result_of
+from clean_swarm_env.world.mission import result_of
 from clean_swarm_env.world.mission_end import tick_limit
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.running import RunningConfiguration
@@ -282,17 +282,3 @@ def _first_sentence(content: RunningConfiguration) -> str:
     if least > LONGEST_VECTOR:
         return f"Does nothing: it would act on vectors longer than {least:g} m, and none is."
     return " ".join(content.spec.description.split()).split(". ")[0].split(": ")[0].rstrip(".") + "."
-
-
-def record_mission(run: MissionRun, settings: RecordSettings, about: Mapping[str, Any]) -> MissionResult:
-    """Run one mission to its end as `run_mission` does, and record it; `about` is plain data for the head."""
-    course = Course(run, explained=settings.minds)
-    recorder = MissionRecorder(course.worlds, replace(settings, thinking=True))
-    recorder.open(0, {"scenario": run.start.id, "seed": run.seed, **about})
-    for goal, values in course.opinions().items():  # they stay: a course teaches its strategies nothing
-        recorder.think(goal, values)
-    while course.in_progress:
-        course.tick()
-        recorder.record()
-    recorder.close()
-    return result_of(course.worlds, 0)

@@ -81,11 +81,13 @@ def explain_robot(worlds: Worlds, row: int, step: int | None = None) -> RobotSte
     """Return what the robot of a row decided in the last control period, or in that to which the worlds were put back.
 
     Raises:
-        ValueError: the worlds note no reasons, or have not begun, or the robot has not joined yet.
+        ValueError: the worlds note no reasons, or have not begun, or there is no such robot, or it has not joined yet.
 
     """
     if not worlds.network.explained:
         raise ValueError("explain: expected worlds with explained=True, got worlds that note no reasons")
+    if not 0 <= row < worlds.rows:
+        raise ValueError(f"robot: expected a row from 0 to {worlds.rows - 1}, got {row}")
     world = row // worlds.robots
     step = int(worlds.ticks[world]) - 1 if step is None else step
     if step < 0:

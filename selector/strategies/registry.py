@@ -20,6 +20,8 @@ from selforg.plugins import guard
 from selforg.registry import Registry, UnknownNameError
 
 STRATEGIES: Registry[DecisionStrategy] = Registry("strategy", base=DecisionStrategy)
+BY_SCORE = "MaxScore"
+"""The strategy of the paper: the highest score of the expert."""
 
 
 class StrategySpec(Closed):

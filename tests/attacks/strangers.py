@@ -12,8 +12,8 @@ import yaml
 from clean_swarm_env.config.experiment import GivenStarts
 from clean_swarm_env.config.load import load_experiment, load_family, load_mission
 from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.recording.recorder import RecordSettings, record_mission
-from clean_swarm_env.world.mission import MissionRun
+from clean_swarm_env.learning.batch import mission_begun, run_out
+from clean_swarm_env.recording.recorder import RecordSettings
 from selector.documents.arrays import load_arrays, save_arrays
 from tests.paths import TRAINED
 from tests.train.records import record
@@ -90,7 +90,8 @@ def _play(folder: Path) -> Path:
     start = random_start(mission, 1, 0)
     told = {"name": "x", "start": start.model_dump(mode="json"), "seed": 1, "goal": "", "directories": ()}
     about = {"play": told | {"strategy": "canary:Own", "files": fingerprints()}}
-    record_mission(MissionRun(mission, start, 1, {}), RecordSettings(folder, True, name="own.swarm"), about)
+    record = RecordSettings(folder, True, about, name="own.swarm")
+    run_out(mission_begun(mission, start, 1, record=record))
     return folder / "own.swarm"
 
 

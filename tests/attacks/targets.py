@@ -24,11 +24,11 @@ from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.drawing.canvases import CHANNELS, RecordedCourse
 from clean_swarm_env.drawing.picture import pixels_of
+from clean_swarm_env.learning.batch import mission_begun, run_out
 from clean_swarm_env.recording.fields import traces_at
 from clean_swarm_env.recording.file import BLOCK, MAGIC, blocks_of
 from clean_swarm_env.recording.reader import RecordedMission, tables_of
-from clean_swarm_env.recording.recorder import RecordSettings, record_mission
-from clean_swarm_env.world.mission import MissionRun
+from clean_swarm_env.recording.recorder import RecordSettings
 from selector.documents.arrays import load_arrays, save_arrays
 from selector.documents.errors import DocumentError, shown
 from selector.documents.reading import read_value
@@ -229,7 +229,7 @@ def recorded() -> bytes:
     mission = load_mission("table1").model_copy(update={"time_limit": 6.0})
     with tempfile.TemporaryDirectory() as folder:
         settings = RecordSettings(Path(folder), minds=True, name="run")
-        record_mission(MissionRun(mission, random_start(mission, 1, 0), 2, {}), settings, {})
+        run_out(mission_begun(mission, random_start(mission, 1, 0), 2, record=settings))
         return (Path(folder) / "run.swarm").read_bytes()
 
 

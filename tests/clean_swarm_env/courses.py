@@ -9,6 +9,7 @@ from clean_swarm_env.config.load import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import random_start, run_seed
 from clean_swarm_env.config.types import AVOIDANCE
+from clean_swarm_env.learning.batch import Batch, mission_begun, run_out
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
 from clean_swarm_env.tasks.cleaning.settings import CleaningSettings
@@ -59,8 +60,28 @@ def begun(made, *arguments, **settings):
     return made
 
 
+def course_of(config: MissionConfig, start_seed: int, seed: int, number: int = 0, **settings) -> Batch:
+    """Return one world at the random start of a mission."""
+    return mission_begun(config, random_start(config, start_seed, number), seed, **settings)
+
+
+def forced(batch: Batch, **options: str) -> Batch:
+    """Let all robots hold options, by goal."""
+    for goal, option in options.items():
+        coordinator = batch.worlds.minds.coordinator_of(goal)
+        coordinator.hold(np.arange(batch.rows), np.full(batch.rows, coordinator.model.options.index(option)))
+    return batch
+
+
+def run_recorded(config: MissionConfig, start_seed: int, seed: int, folder, name: str = "run", **settings):
+    """Run a mission from a random start, and return its recording."""
+    record = RecordSettings(folder, name=name, thinking=True, **settings)
+    run_out(course_of(config, start_seed, seed, record=record))
+    return RecordedMission(folder / f"{name}.swarm")
+
+
 def ticked(worlds, ticks: int = 1):
-    """Tick worlds or a course and return them."""
+    """Tick worlds or a batch and return them."""
     for _ in range(ticks):
         worlds.tick()
     return worlds
@@ -71,7 +92,7 @@ def recorded(course, folder, seen=lambda: None, room=0, **settings):
     recorder = MissionRecorder(course.worlds, RecordSettings(folder, **settings))
     recorder.frames.room = room or recorder.frames.room
     path, told = recorder.open(0, {"scenario": "1"}), [seen()]
-    while course.in_progress:
+    while not course.over[0]:
         course.tick()
         recorder.record()
         told.append(seen())

@@ -11,7 +11,7 @@ from tests.paths import ROOT
 
 NAMES = {
     "ActionConfig", "Batch", "ConfigurationError", "FamilyConfig", "MissionConfig", "ObservationConfig", "RewardConfig",
-    "StartConfiguration", "TERMS", "Term", "batches_of", "load_family", "load_mission", "run_mission",
+    "StartConfiguration", "TERMS", "Term", "batches_of", "load_family", "load_mission", "mission_begun", "run_out",
 }  # fmt: skip
 SOURCE = (ROOT / "clean_swarm_env" / "__init__.py").read_text(encoding="utf-8")
 

@@ -9,10 +9,8 @@ import numpy as np
 import pytest
 
 from clean_swarm_env import clean_swarm_v0
-from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.batch import Batch, run_out
 from clean_swarm_env.recording.recorder import RecordSettings
-from clean_swarm_env.world.mission import Course, MissionRun, result_of
 from clean_swarm_env.world.worlds import Worlds
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.gradient import Gradient
@@ -23,7 +21,7 @@ from selforg.sealing import sealed, unsealed
 from selforg.space import Torus
 from tests.clean_swarm_env import soak_copies
 from tests.clean_swarm_env.copies import BORDERS, PICKLED, SHORT, check_copy, played
-from tests.clean_swarm_env.courses import CROWD, avoidance, begun, ticked
+from tests.clean_swarm_env.courses import CROWD, avoidance, begun, course_of, ticked
 from tests.paths import ROOT
 
 each_border = pytest.mark.parametrize("border", BORDERS)
@@ -84,13 +82,11 @@ def go_on(saved: Path) -> str:
     course, state = pickle.loads(saved.read_bytes())
     batch = Batch(SHORT)
     batch.set_state(state)
-    while course.in_progress:
-        course.tick()
-    return repr((result_of(course.worlds, 0), course.worlds.physics.positions.tolist(), played(batch, 1)))
+    return repr((run_out(course), course.worlds.physics.positions.tolist(), played(batch, 1)))
 
 
 def test_a_mission_and_a_state_go_on_in_another_process(tmp_path):
-    course, batch = Course(MissionRun(SHORT, random_start(SHORT, 4, 0), 4, {})), begun(Batch(SHORT), [3])
+    course, batch = course_of(SHORT, 4, 4), begun(Batch(SHORT), [3])
     played(batch, 0)
     (tmp_path / "saved").write_bytes(pickle.dumps((ticked(course, 37), batch.get_state())))
     code = f"from tests.clean_swarm_env.test_states import *; print(go_on(Path({str(tmp_path / 'saved')!r})))"

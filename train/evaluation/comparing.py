@@ -26,11 +26,11 @@ from clean_swarm_env.deciders.named import FIXED, decider_named, without_digest
 from clean_swarm_env.deciders.strategies import StrategyDecider
 from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.world.task import task_class
-from selector.coordination.selection import BY_SCORE
 from selector.documents.errors import shown, within
 from selector.documents.find import files_of
 from selector.documents.trust import BASELINE
 from selector.strategies.problem import Problem
+from selector.strategies.registry import BY_SCORE
 from selector.strategies.streams import row_keys
 from selforg.network.planning.planner import check_planner
 from selforg.registry import unknown
@@ -208,7 +208,7 @@ def _passed_over(condition: Deciders, batch: Batch) -> list[str]:
     told = []
     for number, (goal, names) in enumerate(batch.options.items()):
         given, held = condition.scores.get(goal, {}), names[batch.choices.default[number]]
-        if given and held not in given and condition.members == (BY_SCORE.name,):
+        if given and held not in given and condition.members == (BY_SCORE,):
             best = max(given, key=lambda name: given[name])
             told.append(f"{best} has {given[best]:g} for {goal}, and robots hold {held}, which has more")
     return told

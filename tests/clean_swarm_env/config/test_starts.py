@@ -13,11 +13,10 @@ from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import distances, draw_places, for_start, random_start, run_seed
 from clean_swarm_env.config.tasks import item_rows
 from clean_swarm_env.config.types import ConfigurationError
-from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.learning.batch import Batch, mission_begun
 from clean_swarm_env.tasks import TASKS, ItemsConfig, Task, TaskSettings, TaskState
 from clean_swarm_env.tasks.cleaning.missions import CleaningStarts
 from clean_swarm_env.tasks.foraging import Foraging
-from clean_swarm_env.world.mission import Course, MissionRun
 from selector.documents.errors import shown
 
 
@@ -142,9 +141,9 @@ def test_a_file_of_starts_brings_its_world_and_counts(tmp_path):
 def test_a_file_of_starts_says_where_robots_of_another_task_begin(tmp_path):
     starts = Foraging.Starts.read(_file(tmp_path, {"torus_m": [24, 26], "cases": [CASE | {"items": []}]}))
     mission = for_start(starts.world_of(load_mission("Foraging")), starts.starts[0])
-    course = Course(MissionRun(mission, starts.starts[0], 3, {}))
-    assert course.worlds.extent.tolist() == [24.0, 26.0]
-    assert course.worlds.physics.positions.tolist() == [[1.0, 1.0], [3.0, 1.0]]
+    worlds = mission_begun(mission, starts.starts[0], 3).worlds
+    assert worlds.extent.tolist() == [24.0, 26.0]
+    assert worlds.physics.positions.tolist() == [[1.0, 1.0], [3.0, 1.0]]
 
 
 def test_measured_figures_and_further_keys_are_optional(tmp_path):

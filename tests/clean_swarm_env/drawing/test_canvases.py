@@ -4,12 +4,10 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.drawing.canvas import NOTHING as EMPTY
 from clean_swarm_env.drawing.canvases import canvas_of
 from clean_swarm_env.tasks.cleaning.garbage import LYING, NOTHING
-from clean_swarm_env.world.mission import Course, MissionRun
-from tests.clean_swarm_env.courses import mission, ticked, worlds_at_start
+from tests.clean_swarm_env.courses import course_of, mission, ticked, worlds_at_start
 from tests.clean_swarm_env.recording.shepherding import with_shepherding
 
 
@@ -39,7 +37,7 @@ def test_the_picture_shows_robots_items_cargo_and_the_trail_of_its_own_world():
 @pytest.mark.parametrize("task", ["FormationControl", "CircleFormation"])
 def test_of_open_land_the_part_is_shown_that_robots_have_reached(task):
     config = MissionConfig.model_validate({"task": task})
-    worlds = Course(MissionRun(config, random_start(config, 1, 0), 2, {})).worlds
+    worlds = course_of(config, 1, 2).worlds
     near = canvas_of(worlds, 0)
     assert near.width == near.height == max(config.world.width, config.world.height)
     side, middle = near.width, worlds.floor.ground.centre
@@ -54,7 +52,7 @@ def test_of_open_land_the_part_is_shown_that_robots_have_reached(task):
 def test_the_picture_of_a_task_shows_what_moves_and_the_measures(monkeypatch):
     with_shepherding(monkeypatch)
     config = MissionConfig.model_validate({"task": "Shepherding"})
-    course = ticked(Course(MissionRun(config, random_start(config, 1, 0), 2, {})), 20)
+    course = ticked(course_of(config, 1, 2), 20)
     canvas, sheep = canvas_of(course.worlds, 0), course.worlds.task.state.places[0]
     assert [area.name for area in canvas.areas] == ["ring", *["sheep"] * 4]
     assert [(area.x, area.y) for area in canvas.areas[1:]] == [tuple(place) for place in sheep.tolist()]

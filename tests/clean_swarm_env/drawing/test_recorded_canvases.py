@@ -6,16 +6,13 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.drawing.canvases import RecordedCourse, canvas_of, pictured
 from clean_swarm_env.drawing.picture import TITLE, pixels_of
 from clean_swarm_env.learning.given import mission_from
 from clean_swarm_env.recording.reader import RecordedMission
-from clean_swarm_env.recording.recorder import RecordSettings, record_mission
-from clean_swarm_env.world.mission import Course, MissionRun
 from selector.documents.errors import validated
-from tests.clean_swarm_env.courses import mission, recorded
+from tests.clean_swarm_env.courses import course_of, mission, recorded, run_recorded
 from tests.clean_swarm_env.world.test_models import team
 
 EVENTS = [{"at": 20.0, "do": "fail", "robots": [1]}, {"at": 30.0, "do": "join", "robots": 2}]
@@ -25,7 +22,7 @@ MISSION = mission_from({"base": "table1", "time_limit": 150.0, "events": EVENTS,
 @pytest.fixture(scope="module")
 def seen(tmp_path_factory):
     """Canvases of a world at the start and after each tick, and the recording of it."""
-    course = Course(MissionRun(MISSION, random_start(MISSION, 1, 0), 2, {}))
+    course = course_of(MISSION, 1, 2)
     recording, canvases = recorded(course, tmp_path_factory.mktemp("seen"), lambda: canvas_of(course.worlds, 0))
     return canvases, recording
 
@@ -88,11 +85,9 @@ STANDING = {
 
 @pytest.mark.parametrize("kind", STANDING)
 def test_what_stands_in_a_mission_is_drawn_from_its_recording_as_from_its_world(kind, tmp_path):
-    run = MissionRun(STANDING[kind], random_start(STANDING[kind], 1, 0), 3, {})
-    record_mission(run, RecordSettings(tmp_path, name="run"), {})
-    recording = RecordedMission(tmp_path / "run.swarm")
-    assert validated(MissionConfig, recording.head["mission"], "head") == run.mission
-    shown, now = RecordedCourse(recording).at(0.0), canvas_of(Course(run).worlds, 0)
+    recording = run_recorded(STANDING[kind], 1, 3, tmp_path)
+    assert validated(MissionConfig, recording.head["mission"], "head") == STANDING[kind]
+    shown, now = RecordedCourse(recording).at(0.0), canvas_of(course_of(STANDING[kind], 1, 3).worlds, 0)
     for name in ("width", "height", "closed", "zones", "model_names", "loads"):
         assert getattr(shown, name) == getattr(now, name), name
     for name in ("walls", "radius", "models"):

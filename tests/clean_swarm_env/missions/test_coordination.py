@@ -5,19 +5,19 @@ import pytest
 
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.world.mission import Course, MissionRun, run_mission
+from clean_swarm_env.learning.batch import mission_begun, run_out
 from clean_swarm_env.world.task import coordinators_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
 from selector.documents.errors import DocumentError
 from selector.knowledge import load_knowledge
-from tests.clean_swarm_env.courses import snapshot
+from tests.clean_swarm_env.courses import course_of, forced, snapshot
 
 
 def test_a_coordinated_patrol_takes_the_course_of_a_plain_one():
     plain, coordinated = load_mission("table1"), load_mission("cleaning-patrol")
     start = random_start(plain, 5, 0)
-    one, other = Course(MissionRun(plain, start, 3, {})), Course(MissionRun(coordinated, start, 3, {}))
+    one, other = mission_begun(plain, start, 3), mission_begun(coordinated, start, 3)
     for _ in range(1000):
         one.tick()
         other.tick()
@@ -34,9 +34,8 @@ def test_a_coordinated_patrol_takes_the_course_of_a_plain_one():
 
 def test_what_robots_patrol_by_decides_the_mission():
     mission = load_mission("cleaning-patrol")
-    start = random_start(mission, 5, 1)
-    scores = ({}, {"ExplorationPatrol": {"RandomWalk": 2.0}}, {"ExplorationPatrol": {"Patrol-period10": 2.0}})
-    assert len({run_mission(mission, start, 1, score).duration_s for score in scores}) == 3
+    options = ({}, {"ExplorationPatrol": "RandomWalk"}, {"ExplorationPatrol": "Patrol-period10"})
+    assert len({run_out(forced(course_of(mission, 5, 1, 1), **held)).duration_s for held in options}) == 3
 
 
 def test_each_coordinator_wants_an_option():

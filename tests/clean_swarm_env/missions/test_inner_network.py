@@ -8,8 +8,8 @@ import yaml
 
 from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.starts import random_start, run_seed
+from clean_swarm_env.learning.batch import mission_begun
 from clean_swarm_env.recording.reader import RecordedMission
-from clean_swarm_env.world.mission import Course, MissionRun
 from selector.documents.find import SHIPPED
 from tests.clean_swarm_env.courses import mission, ticked
 from train.evaluation.explain import as_json, explained
@@ -54,8 +54,7 @@ MISSION = mission(network={"robot": "searching"}, time_limit=20.0)
 
 
 def course_of(directory):
-    start = random_start(MISSION, 5, 0)
-    return Course(MissionRun(MISSION, start, 3, {}, directories=(directory,)))
+    return mission_begun(MISSION, random_start(MISSION, 5, 0), 3, directories=(directory,))
 
 
 def searching(course, ticks):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.config.mission import StartConfiguration
-from clean_swarm_env.world.mission import Course, MissionRun, result_of
+from clean_swarm_env.learning.batch import mission_begun
 from selforg.network.state import EXECUTING
 from tests.clean_swarm_env.courses import long_course, mission
 
@@ -25,15 +25,15 @@ STANDING = 10.0
 def driven(items, seed, **changes):
     """Return the result of a mission with items at places, and the longest time for which a robot was stuck [s]."""
     config = mission(robots={"count": 3}, garbage={"count": len(items)}, time_limit=3000.0, **changes)
-    course = Course(MissionRun(config, StartConfiguration(id="pile", robots=ROBOTS, items=tuple(items)), seed, {}))
+    course = mission_begun(config, StartConfiguration(id="pile", robots=ROBOTS, items=tuple(items)), seed)
     minds, moving = course.worlds.minds, course.worlds.network.model.behaviour_index["MoveToGarbage"]
     stuck, longest = np.zeros(3), 0.0
-    while course.in_progress:
+    while not course.over[0]:
         course.tick()
         goes = course.worlds.network.state.marks[:, EXECUTING, moving] == 1
         stuck = (stuck + 0.2) * (goes & ~minds.commands.vectors.any(axis=1))
         longest = max(longest, stuck.max())
-    return result_of(course.worlds, 0), longest
+    return course.finished[0].result, longest
 
 
 @long_course

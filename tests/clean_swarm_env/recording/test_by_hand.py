@@ -3,11 +3,9 @@
 import numpy as np
 import pytest
 
-from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.tasks.cleaning.garbage import ABSENT, CARRIED, LYING
 from clean_swarm_env.world.by_hand import by_hand, change_of
-from clean_swarm_env.world.mission import Course, MissionRun
-from tests.clean_swarm_env.courses import mission, ticked
+from tests.clean_swarm_env.courses import course_of, mission, ticked
 
 
 @pytest.fixture
@@ -15,7 +13,7 @@ def worlds():
     config = mission(
         robots={"count": 3, "capacity": 4}, garbage={"count": 4, "capacity": 5}, delivery={"own_contents": True}
     )
-    course = ticked(Course(MissionRun(config, random_start(config, 3, 0), 17, {})), 10)
+    course = ticked(course_of(config, 3, 17), 10)
     return course.worlds
 
 
@@ -127,7 +125,7 @@ def test_what_is_impossible_changes_nothing(worlds):
 def test_events_of_the_mission_pass_over_robots_that_a_person_took_away():
     events = ({"at": 3.0, "do": "fail", "robots": [0, 1]}, {"at": 4.0, "do": "remove", "robots": [2]})
     config = mission(robots={"count": 4}, events=events)
-    course = Course(MissionRun(config, random_start(config, 3, 0), 17, {}))
+    course = course_of(config, 3, 17)
     for robot in (0, 2):
         made(course.worlds, do="remove_robot", robot=robot)
     ticked(course, 25)

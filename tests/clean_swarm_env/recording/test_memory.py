@@ -8,8 +8,8 @@ import pytest
 from clean_swarm_env.recording.channels import channel_of
 from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
 from clean_swarm_env.recording.taking import LEAST_FRAMES, WAITING_BYTES, Sampled, WaitingFrames
-from clean_swarm_env.world.mission import Course
-from tests.clean_swarm_env.recording.test_recorder import run_of
+from tests.clean_swarm_env.courses import course_of
+from tests.clean_swarm_env.recording.test_recorder import MISSION
 
 
 @pytest.mark.parametrize(("worlds", "robots"), [(1, 5), (64, 5), (1, 10_000), (64, 10_000)])
@@ -22,13 +22,13 @@ def test_frames_that_wait_have_a_bounded_size(worlds, robots):
 
 
 def test_a_recorder_holds_no_more_after_many_parts_than_after_the_first(tmp_path):
-    course = Course(run_of(), explained=True)
+    course = course_of(MISSION, 3, 17, explained=True)
     recorder = MissionRecorder(course.worlds, RecordSettings(tmp_path, minds=True))
     recorder.frames.room = 16
     path, held, sizes = recorder.open(0, {"scenario": "1"}), [], []
     tracemalloc.start()
     for tick in range(8 * recorder.frames.room):
-        assert course.in_progress
+        assert not course.over[0]
         course.tick()
         recorder.record()
         if tick % recorder.frames.room == recorder.frames.room - 1:

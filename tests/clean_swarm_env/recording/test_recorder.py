@@ -7,15 +7,14 @@ import pytest
 
 from clean_swarm_env.borders.gymnasium_vector import TeamVectorEnv
 from clean_swarm_env.clean_swarm_v0 import parallel_env
-from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.learning.batch import run_out
 from clean_swarm_env.recording import taking
 from clean_swarm_env.recording.fields import traces_at
 from clean_swarm_env.recording.reader import RecordedMission
-from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings, record_mission
-from clean_swarm_env.world.mission import Course, MissionRun, run_mission
+from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
 from selforg.gradients.store import columns as c
 from selforg.network import state as st
-from tests.clean_swarm_env.courses import begun, mission, recorded
+from tests.clean_swarm_env.courses import begun, course_of, mission, recorded, run_recorded
 
 EVENTS = (
     {"at": 4.0, "do": "join", "robots": 1},
@@ -27,14 +26,10 @@ MISSION = mission(robots={"count": 6}, events=EVENTS, time_limit=40.0, delivery=
 HALF_STEP = 0.5001 / 1000
 
 
-def run_of(config=MISSION) -> MissionRun:
-    return MissionRun(config, random_start(config, 3, 0), 17, {})
-
-
 @pytest.fixture(scope="module")
 def seen(tmp_path_factory):
     """Recording of a mission, and what was read off the worlds tick by tick."""
-    course = Course(run_of(), explained=True)
+    course = course_of(MISSION, 3, 17, explained=True)
     worlds, net = course.worlds, course.worlds.network
 
     def frame():
@@ -70,19 +65,18 @@ def stored(worlds) -> list[tuple[int, float, float]]:
 
 
 def test_recording_changes_no_mission(tmp_path):
+    plain = run_out(course_of(MISSION, 3, 17))
     for minds in (False, True):
-        run = run_of()
-        result = record_mission(run, RecordSettings(tmp_path / str(minds), minds), {})
-        assert result == run_mission(run.mission, run.start, run.seed, run.scores)
+        record = RecordSettings(tmp_path / str(minds), minds)
+        assert run_out(course_of(MISSION, 3, 17, record=record)) == plain
 
 
 def test_without_addresses_the_same_bytes_are_recorded(tmp_path, monkeypatch):
-    run = run_of(MISSION.model_copy(update={"time_limit": 12.0}))
+    short = MISSION.model_copy(update={"time_limit": 12.0})
     written = []
     for by_address in (True, False):
         monkeypatch.setattr(taking, "BY_ADDRESS", by_address)
-        record_mission(run, RecordSettings(tmp_path, minds=True, name=str(by_address)), {})
-        written.append((tmp_path / f"{by_address}.swarm").read_bytes())
+        written.append(run_recorded(short, 3, 17, tmp_path, str(by_address), minds=True).path.read_bytes())
     assert written[0] == written[1]
 
 
@@ -156,6 +150,6 @@ def test_every_border_records(tmp_path):
 
 
 def test_minds_need_worlds_that_note_reasons(tmp_path):
-    course = Course(run_of())
+    course = course_of(MISSION, 3, 17)
     with pytest.raises(ValueError, match="minds: expected worlds with explained=True"):
         MissionRecorder(course.worlds, replace(RecordSettings(tmp_path), minds=True))

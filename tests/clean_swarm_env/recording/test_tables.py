@@ -4,21 +4,15 @@ import numpy as np
 import pytest
 
 from clean_swarm_env.config.load import load_mission
-from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.recording.file import blocks_of
 from clean_swarm_env.recording.reader import RecordedMission, RecordedParts, tables_of
-from clean_swarm_env.recording.recorder import RecordSettings, record_mission
-from clean_swarm_env.world.mission import MissionRun
+from tests.clean_swarm_env.courses import run_recorded
 
 
 @pytest.fixture(scope="module")
 def recording(tmp_path_factory) -> RecordedMission:
-    folder = tmp_path_factory.mktemp("tables")
     mission = load_mission("table1").model_copy(update={"time_limit": 8.0})
-    record_mission(
-        MissionRun(mission, random_start(mission, 1, 0), 2, {}), RecordSettings(folder, minds=True, name="run"), {}
-    )
-    return RecordedMission(folder / "run.swarm")
+    return run_recorded(mission, 1, 2, tmp_path_factory.mktemp("tables"), minds=True)
 
 
 def test_every_channel_is_a_column_with_its_place(recording):
@@ -37,9 +31,7 @@ def test_every_channel_is_a_column_with_its_place(recording):
 
 def test_stretches_have_the_rows_of_the_whole(tmp_path):
     mission = load_mission("table1").model_copy(update={"time_limit": 160.0})
-    settings = RecordSettings(tmp_path, minds=True, name="long")
-    record_mission(MissionRun(mission, random_start(mission, 1, 0), 2, {}), settings, {})
-    path = tmp_path / "long.swarm"
+    path = run_recorded(mission, 1, 2, tmp_path, "long", minds=True).path
     parts = list(RecordedParts(blocks_of(path), "long"))
     assert [part.first for part in parts] == list(range(0, parts[-1].first + 1, 250))
     whole = tables_of(RecordedMission(path))

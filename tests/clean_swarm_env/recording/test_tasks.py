@@ -8,30 +8,28 @@ import pytest
 
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.config.task_names import task_names
 from clean_swarm_env.config.tasks import CLEANING, find_task
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.drawing.canvases import RecordedCourse, canvas_of
 from clean_swarm_env.recording.reader import Happened, events_of, tables_of
-from clean_swarm_env.recording.recorder import RecordSettings, record_mission
 from clean_swarm_env.tasks import Shown
-from clean_swarm_env.world.mission import Course, MissionRun, result_of
-from tests.clean_swarm_env.courses import recorded
+from clean_swarm_env.world.explaining import explain_robot
+from clean_swarm_env.world.mission import result_of
+from tests.clean_swarm_env.courses import course_of, recorded, run_recorded, ticked
 from tests.clean_swarm_env.recording.shepherding import with_shepherding
 from train.replay.page_file import page_of
 
 TASKS = [*(name for name in task_names() if name != CLEANING), "Shepherding"]
 
 
-def run_of(task, **changes) -> MissionRun:
-    mission = MissionConfig.model_validate({"task": task, **changes})
-    return MissionRun(mission, random_start(mission, 3, 0), 4, {})
+def course_at(task, explained=False, **changes):
+    return course_of(MissionConfig.model_validate({"task": task, **changes}), 3, 4, explained=explained)
 
 
-def played(run, folder, minds=False):
+def played(task, folder, minds=False, **changes):
     """Run a mission; return its recording, its course, and the canvas and the poses before each control period."""
-    course = Course(run, explained=minds)
+    course = course_at(task, minds, **changes)
     seen = lambda: (canvas_of(course.worlds, 0), course.worlds.physics.positions.copy())  # noqa: E731
     recording, told = recorded(course, folder, seen, minds=minds)
     return recording, course, [canvas for canvas, _ in told[:-1]], np.array([places for _, places in told[:-1]])
@@ -44,7 +42,7 @@ def _shepherding(monkeypatch):
 
 @pytest.mark.parametrize("task", TASKS)
 def test_a_recording_holds_the_course_the_things_and_the_measures(tmp_path, task):
-    recording, course, canvases, places = played(run_of(task, time_limit=4.0), tmp_path, minds=True)
+    recording, course, canvases, places = played(task, tmp_path, minds=True, time_limit=4.0)
     head, mission = recording.head, course.worlds.mission
     assert np.allclose(np.stack([recording["x"], recording["y"]], axis=-1), places, atol=0.0005001)
     assert (head["width"], head["height"], head["ground"]) == (*mission.extent, mission.world.ground)
@@ -67,7 +65,7 @@ def test_a_recording_holds_the_course_the_things_and_the_measures(tmp_path, task
 
 
 def test_things_that_move_are_where_they_were(tmp_path):
-    course = Course(run_of("Shepherding", time_limit=10.0))
+    course = course_at("Shepherding", time_limit=10.0)
     recording, seen = recorded(course, tmp_path, lambda: course.worlds.task.state.places[0].copy())
     found = np.stack([recording["thing_x"], recording["thing_y"]], axis=-1)
     assert np.allclose(found, seen[:-1], atol=0.0005001)
@@ -80,7 +78,7 @@ def test_things_that_move_are_where_they_were(tmp_path):
 
 
 def test_food_that_robots_carry_is_their_cargo(tmp_path):
-    recording, _, canvases, _ = played(run_of("Foraging", time_limit=90.0), tmp_path)
+    recording, _, canvases, _ = played("Foraging", tmp_path, time_limit=90.0)
     picked, brought = (np.diff(recording["cargo"], axis=0) == step for step in (1, -1))
     assert picked.sum() >= brought.sum() > 0
     assert [kind["channel"] for kind in recording.notes["deposits"]] == ["trail"]
@@ -94,11 +92,11 @@ def test_food_that_robots_carry_is_their_cargo(tmp_path):
 
 
 def test_events_of_a_task_are_recorded_and_listed_with_their_robots(tmp_path):
-    recording, course, _, _ = played(run_of("Foraging", time_limit=90.0), tmp_path)
+    recording, course, _, _ = played("Foraging", tmp_path, time_limit=90.0)
     events, puts = events_of(recording), np.argwhere(np.diff(recording["brought"], axis=0) > 0)
     assert len(events) == course.worlds.task.state.brought[0] > 0
     assert events == [Happened(recording.times[k + 1], "item brought", "robot", robot) for k, robot in puts]
-    course = Course(MissionRun(config := load_mission("bumpers"), random_start(config, 3, 0), 4, {}))
+    course = course_of(load_mission("bumpers"), 3, 4)
     recording, told = recorded(course, tmp_path, lambda: course.worlds.task.consequences.collisions.copy())
     stopped = {(one.event, one.number) for one in events_of(recording)}
     assert stopped == {("stopped by a collision", robot) for robot in np.flatnonzero(told[-1]).tolist()} != set()
@@ -116,20 +114,20 @@ def test_what_happens_in_the_first_period_is_an_event_too_and_the_task_says_the_
 
 
 def test_contacts_and_obstacles_are_shown(tmp_path):
-    recording, course, canvases, _ = played(run_of("CollisionAvoidance", time_limit=20.0), tmp_path)
+    recording, course, canvases, _ = played("CollisionAvoidance", tmp_path, time_limit=20.0)
     assert {area.name for area in canvases[0].areas if area.repels} == {"obstacle"}
     assert recording["contact"].sum() == 2 * course.worlds.world.collisions[0]
 
 
 def test_a_recording_that_lacks_the_things_that_move_is_refused_by_name(tmp_path):
-    recording = played(run_of("Shepherding", time_limit=1.0), tmp_path)[0]
+    recording = played("Shepherding", tmp_path, time_limit=1.0)[0]
     del recording.channels["thing_x"]
     with pytest.raises(ConfigurationError, match="expected channel thing_x with a number for each thing"):
         RecordedCourse(recording)
 
 
 def test_a_robot_of_any_task_is_explained():
-    step = run_of("Foraging", time_limit=5.0).explain(robot=3, time=2.0)
+    step = explain_robot(ticked(course_at("Foraging", True), 10).worlds, 3)
     assert step.options["Foraging"]
     assert [behaviour.name for behaviour in step.network.behaviours] == ["Foraging"]
     assert step.coordinators[0].inner is not None
@@ -143,7 +141,7 @@ def test_what_a_recording_cannot_keep_is_one_line_that_names_the_task(name, kept
     task, turns = find_task("Shepherding"), np.zeros(6, dtype=np.int64)
     monkeypatch.setattr(task, "shown", lambda self: (Shown(name, "robot", turns if kept else turns.copy(), "turns"),))
     with pytest.raises(ValueError, match=f"Shepherding.shown: expected .*{said}"):
-        record_mission(run_of("Shepherding", time_limit=1.0), RecordSettings(tmp_path, name="run"), {})
+        run_recorded(MissionConfig.model_validate({"task": "Shepherding", "time_limit": 1.0}), 3, 4, tmp_path)
 
 
 def test_a_shown_array_that_becomes_another_one_while_it_is_recorded_is_one_line(tmp_path, monkeypatch):
@@ -155,4 +153,4 @@ def test_a_shown_array_that_becomes_another_one_while_it_is_recorded_is_one_line
     monkeypatch.setattr(task, "shown", lambda self: (Shown("load", "robot", self.turns, "turns"),))
     monkeypatch.setattr(task, "after_moving", grow)
     with pytest.raises(ValueError, match=r"Shepherding.shown: expected the same array .* of load"):
-        record_mission(run_of("Shepherding", time_limit=1.0), RecordSettings(tmp_path, name="run"), {})
+        run_recorded(MissionConfig.model_validate({"task": "Shepherding", "time_limit": 1.0}), 3, 4, tmp_path)

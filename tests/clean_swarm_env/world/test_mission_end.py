@@ -4,10 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from clean_swarm_env.config.starts import random_start
+from clean_swarm_env.learning.batch import run_out
 from clean_swarm_env.tasks.cleaning.cost import cost_terms, mission_cost, unavoidable_cost
-from clean_swarm_env.world.mission import run_mission
-from tests.clean_swarm_env.courses import mission
+from tests.clean_swarm_env.courses import course_of, forced, mission
 
 ITEMS, LIMIT = 10, 600.0
 FINITE = mission(collision_cost=7.0, contact_cost=2.0, garbage={"count": ITEMS}, time_limit=LIMIT)
@@ -58,12 +57,12 @@ def test_the_unavoidable_part_is_a_lower_bound(came, done, hits):
 
 def test_arrivals_make_a_part_of_the_cost_unavoidable():
     landing = mission("reference", garbage={"count": 0}, events=[{"at": 10.0, "do": "land", "items": 2}])
-    result = run_mission(landing, random_start(landing, 1, 0), 1, {})
+    result = run_out(course_of(landing, 1, 1))
     assert (result.unavoidable_s, unavoidable_cost(FINITE, ITEMS)) == (10.0, 0.0)
     assert result.cost_s > 10.0
     coming = mission(garbage={"count": 2, "respawn": 30.0, "capacity": 5}, time_limit=120.0)
-    same = [run_mission(coming, random_start(coming, 1, 0), 5, {"AvoidCollision": {o: 9.0}}) for o in
-            ("RepulsionFernandez-view2.0", "RepulsionGradient-view1.5")]  # fmt: skip
+    options = "RepulsionFernandez-view2.0", "RepulsionGradient-view1.5"
+    same = [run_out(forced(course_of(coming, 1, 5), AvoidCollision=option)) for option in options]
     assert same[0].unavoidable_s == same[1].unavoidable_s == pytest.approx(2.0, rel=0.4)
     assert same[0] != same[1]
     assert all(result.unavoidable_s < result.cost_s for result in same)

@@ -10,15 +10,13 @@ import pytest
 from PIL import Image
 
 from clean_swarm_env.config.load import load_mission
-from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.drawing.canvas import Canvas
 from clean_swarm_env.drawing.canvases import RecordedCourse
 from clean_swarm_env.drawing.look import OPTION_COLOURS
 from clean_swarm_env.drawing.picture import pixels_of
 from clean_swarm_env.drawing.video import write_video
 from clean_swarm_env.recording.reader import RecordedMission
-from clean_swarm_env.recording.recorder import RecordSettings, record_mission
-from clean_swarm_env.world.mission import MissionRun
+from tests.clean_swarm_env.courses import run_recorded
 from tests.train.commands import done, refused
 from train.cli import look
 from train.running import needs
@@ -27,8 +25,7 @@ from train.running import needs
 def recording(folder, seconds):
     """Record a mission of so many seconds and return the file."""
     mission = load_mission("table1").model_copy(update={"time_limit": seconds})
-    record_mission(MissionRun(mission, random_start(mission, 1, 0), 2, {}), RecordSettings(folder, name="run"), {})
-    return folder / "run.swarm"
+    return run_recorded(mission, 1, 2, folder).path
 
 
 @pytest.fixture(scope="module")

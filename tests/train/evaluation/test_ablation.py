@@ -2,9 +2,7 @@
 
 from benchmarks import ablation
 from clean_swarm_env.config.mission import NetworkConfig
-from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.world.mission import Course, MissionRun
-from tests.clean_swarm_env.courses import mission, snapshot
+from tests.clean_swarm_env.courses import course_of, forced, mission, snapshot
 
 
 def test_each_variant_lacks_one_thing():
@@ -23,14 +21,10 @@ def test_each_variant_lacks_one_thing():
 
 def test_a_planner_without_weight_is_no_planner():
     without = [mission(network=network) for network in ({"weights": {"plan": 0.0}}, {"planner": "off"})]
-    start = random_start(without[0], 3, 0)
-    one, other = (
-        Course(MissionRun(config, start, 3, {"AvoidCollision": {"RepulsionGradient-view1.5": 2.0}}))
-        for config in without
-    )
+    one, other = (forced(course_of(config, 3, 3), AvoidCollision="RepulsionGradient-view1.5") for config in without)
     for _ in range(500):
-        assert one.in_progress
-        assert other.in_progress
+        assert not one.over[0]
+        assert not other.over[0]
         one.tick()
         other.tick()
         for name, part in snapshot(one.worlds, 0).items():

@@ -11,9 +11,10 @@ import pytest
 
 from clean_swarm_env.config.starts import run_seed
 from clean_swarm_env.config.types import AVOIDANCE
+from clean_swarm_env.learning.batch import mission_begun
 from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.world.explaining import explain_robot
-from clean_swarm_env.world.mission import Course, MissionResult, MissionRun
+from clean_swarm_env.world.mission import MissionResult
 from tests.clean_swarm_env.courses import difference, snapshot
 from tests.train.commands import changed, command, done, refused
 from train.evaluation.explain import put_back
@@ -62,18 +63,18 @@ def narrow(monkeypatch):
 def test_an_explained_run_takes_the_same_course_bit_for_bit(evaluated):
     for condition in ("RepulsionFernandez-view2.0", "RepulsionGradient-view1.5"):
         task = task_of(evaluated, "2", condition)
-        plain = Course(MissionRun(task.first.mission, task.first.start, run_seed(5, "2"), {}))
+        plain = mission_begun(task.first.mission, task.first.start, run_seed(5, "2"))
         for explained, *_ in steps_of(task):
-            assert plain.in_progress
+            assert not plain.over[0]
             plain.tick()
             assert difference([snapshot(plain.worlds, 0)], [snapshot(explained.worlds, 0)]) == ""
-        assert not plain.in_progress
+        assert plain.over[0]
 
 
 @pytest.mark.parametrize("time", [0.0, 0.2, 7.0, 30.0])
 def test_how_long_a_robot_has_stayed_and_done_what_it_does_is_told(evaluated, time):
     task, step = task_of(evaluated), round(time / 0.2)
-    course = Course(MissionRun(task.first.mission, task.first.start, run_seed(5, "1"), {}))
+    course = mission_begun(task.first.mission, task.first.start, run_seed(5, "1"))
     places, runs = [np.array(task.first.start.robots)[:, :2]], []
     while len(runs) <= step:
         course.tick()

@@ -7,10 +7,8 @@ import pytest
 
 from clean_swarm_env.config.load import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.recording.reader import RecordedMission, events_of
-from clean_swarm_env.recording.recorder import RecordSettings, record_mission
-from clean_swarm_env.world.mission import MissionRun
+from clean_swarm_env.recording.reader import events_of
+from tests.clean_swarm_env.courses import run_recorded
 from tests.clean_swarm_env.recording.shepherding import with_shepherding
 from tests.train.live.pages import picture, shows, until
 from tests.train.records import checksums
@@ -226,9 +224,7 @@ def page_of(opened, tmp_path):
     """Record a mission; return its page at a link, and its recording."""
 
     def open_page(mission, link, **settings):
-        run = MissionRun(mission, random_start(mission, 3, 0), 3, {})
-        record_mission(run, RecordSettings(tmp_path, minds=True, name="run"), {})
-        recording = RecordedMission(tmp_path / "run.swarm")
+        recording = run_recorded(mission, 3, 3, tmp_path, minds=True)
         write_page([recording], tmp_path / "page.html")
         return opened(link, tmp_path / "page.html", **settings), recording
 
