@@ -271,7 +271,7 @@ class RobotProcess:
             return
         for message, tag in zip(messages, tags, strict=True):
             if tag[c.TAG_SOURCE] == self.row:
-                emitted = Emitted(name, gradient_of_message(buffer, message, tag))
+                emitted = Emitted(name, buffer.gradient_of_message(message, tag))
                 self._waiting.append((now, self.row, emitted))
                 self._left = [*self._left[-MOST_TOLD:], emitted]
 
@@ -345,23 +345,3 @@ def is_possible(gradient: Gradient, latest: float) -> bool:
     except ValueError:
         return False
     return gradient.stamp <= latest
-
-
-def gradient_of_message(buffer: SoBuffer, message: Floats, tag: Ints) -> Gradient:
-    """Return what a buffer was about to spread, message (MESSAGE_COLUMNS,) and tag (TAG_COLUMNS,), as one object."""
-    far, dim = message[c.MESSAGE_FAR :], buffer.space.dim
-    key = int(tag[c.TAG_KEY])
-    return Gradient(
-        channel=buffer.channels.name(int(tag[c.TAG_CHANNEL])),
-        position=tuple(message[c.X : c.X + dim].tolist()),
-        source=int(tag[c.TAG_SOURCE]),
-        heading=tuple(far[c.FAR_HEADING : c.FAR_HEADING + dim].tolist()),
-        attraction=int(tag[c.TAG_SIGN]),
-        diffusion=float(message[c.DIFFUSION]),
-        goal_radius=float(message[c.GOAL_RADIUS]),
-        evaporation_factor=float(far[c.FAR_FACTOR]),
-        evaporation_period=float(far[c.FAR_PERIOD]),
-        stamp=float(far[c.FAR_STAMP]),
-        moving=bool(tag[c.TAG_MOVING]),
-        payload={} if key < 0 else {buffer.keys.name(key): float(far[c.FAR_VALUE])},
-    )

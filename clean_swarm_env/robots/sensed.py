@@ -55,13 +55,12 @@ class Sensed:
 
     def __post_init__(self) -> None:
         """Check shapes, and that numbers are finite: sensors break."""
-        for name, good in {
-            "near: expected pairs": all(len(place) == 2 for place in self.near),
-            "items: expected SeenItem by number": all(isinstance(one, SeenItem) for one in self.items.values()),
-            "cargo: expected numbers of items": all(isinstance(item, int) for item in (*self.items, *self.cargo)),
-        }.items():
-            if not good:
-                raise DocumentError(f"sensed: {name}, got {short(self)}")
+        if not all(len(place) == 2 for place in self.near):
+            raise DocumentError(f"sensed: near: expected pairs, got {short(self)}")
+        if not all(isinstance(one, SeenItem) for one in self.items.values()):
+            raise DocumentError(f"sensed: items: expected SeenItem by number, got {short(self)}")
+        if not all(isinstance(item, int) for item in (*self.items, *self.cargo)):
+            raise DocumentError(f"sensed: cargo: expected numbers of items, got {short(self)}")
         numbers = self.stamp, self.x, self.y, self.heading, *chain(*self.near, *self.items.values())
         if not all(isinstance(number, SupportsFloat) and isfinite(number) for number in numbers):
             raise DocumentError(f"sensed: expected finite numbers, got {short(numbers)}")

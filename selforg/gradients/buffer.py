@@ -230,12 +230,36 @@ class SoBuffer:
             age, row = divmod(-1 - slot, self.poses.rows)
             return self.poses.gradient(row, age)
         store = self.table.record
-        mark, channel = store.marks[slot], int(store.links[slot, c.LINK_LAYER]) // (c.LEVELS * store.spaces)
+        near, far, link, mark = store.near[slot], store.far[slot], store.links[slot], store.marks[slot]
+        clock = near[c.NEAR_DUE] - far[c.FAR_PERIOD] if np.isfinite(near[c.NEAR_DUE]) else far[c.FAR_CLOCK]
         payload = self.payloads.get(int(mark[c.MARK_SERIAL]), {})
         if not payload and mark[c.MARK_KEY] >= 0:
-            payload = {self.keys.name(int(mark[c.MARK_KEY])): float(store.far[slot, c.FAR_VALUE])}
-        source = self.source_name(int(mark[c.MARK_SOURCE]))
-        return read_gradient(store, slot, self.space.dim, self.channels.name(channel), source, payload)
+            payload = {self.keys.name(int(mark[c.MARK_KEY])): float(far[c.FAR_VALUE])}
+        return read_gradient(
+            near,
+            far,
+            self.space.dim,
+            channel=self.channels.name(int(link[c.LINK_LAYER]) // (c.LEVELS * store.spaces)),
+            source=self.source_name(int(mark[c.MARK_SOURCE])),
+            attraction=int(link[c.LINK_SIGN]),
+            clock=float(clock),
+            moving=int(link[c.LINK_LAYER]) % c.LEVELS == c.MOVING,
+            payload=payload,
+        )
+
+    def gradient_of_message(self, message: Floats, tag: Ints) -> Gradient:
+        """Return what is about to be spread, message (MESSAGE_COLUMNS,) and tag (TAG_COLUMNS,), as one object."""
+        far, key = message[c.MESSAGE_FAR :], int(tag[c.TAG_KEY])
+        return read_gradient(
+            message,
+            far,
+            self.space.dim,
+            channel=self.channels.name(int(tag[c.TAG_CHANNEL])),
+            source=int(tag[c.TAG_SOURCE]),
+            attraction=int(tag[c.TAG_SIGN]),
+            moving=bool(tag[c.TAG_MOVING]),
+            payload={} if key < 0 else {self.keys.name(key): float(far[c.FAR_VALUE])},
+        )
 
     def blank(self, count: int, channel: str) -> tuple[Floats, Ints]:
         """Return messages (count, MESSAGE_COLUMNS) and tags (count, TAG_COLUMNS) to fill, on one channel."""

@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from selforg.arrays import Flags, Floats, Ints
-from selforg.compiler.decorators import inlined, lean_kernel, part
+from selforg.arrays import Floats
+from selforg.compiler.decorators import inlined, part
 from selforg.compiler.records import Handle
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Poses, open_poses
@@ -96,24 +96,6 @@ def choose(rule: int, pairs: Floats, found: int, own: Own) -> int:
         if value > best:
             best, chosen = value, index
     return chosen
-
-
-@lean_kernel
-def choose_rows(
-    rule: int, view: float, rows: Ints, start: Ints, seen: Floats, chosen: Floats, found: Flags, poses: Handle[Poses]
-) -> None:
-    """Write what each of `rows` (R,) chooses into `chosen` (R, PAIR_COLUMNS), and whether there is anything in `found`.
-
-    Row i of them sees seen[start[i]:start[i + 1]] (P, PAIR_COLUMNS), with a view distance of `view` [m].
-    """
-    known = open_poses(poses).rows
-    for index in range(len(rows)):
-        row, first, best = rows[index], start[index], -1
-        if known[row, c.ROW_POSES] > 0:
-            best = choose(rule, seen[first:], start[index + 1] - first, own_of(row, view, poses))
-        found[index] = best >= 0
-        for column in range(chosen.shape[1]):
-            chosen[index, column] = seen[first + best, column] if best >= 0 else 0.0
 
 
 @part

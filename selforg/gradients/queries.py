@@ -23,7 +23,6 @@ from selforg.gradients.pair import (
     CHOOSE_NEAREST,
     CHOOSE_STRONGEST,
     choose,
-    choose_rows,
     own_of,
 )
 from selforg.gradients.store import columns as c
@@ -132,7 +131,6 @@ class Queries:
 
     Example:
         >>> seen = Queries(buffer).gather(now=1.0, rows=[0, 1])
-        >>> chosen, found = Queries(buffer).choose("nearest_attractive", now=1.0)
         >>> Queries(buffer).gradients(row=0, now=1.0)
 
     """
@@ -173,26 +171,8 @@ class Queries:
             done += gather_rows(chosen[done:], start[done:], see, margins, time, sight, poses, store)
         return Seen(start, self._room.pairs[: start[-1]].copy())
 
-    def choose(
-        self, rule: str, now: float, rows: RowNumbers | None = None, look: Filter = Filter()
-    ) -> tuple[Floats, Flags]:
-        """Return the pair (R, PAIR_COLUMNS) that `rule` chooses for each of `rows`, and whether there is one (R,).
-
-        rule: nearest_attractive, farthest_attractive, least_reach_attractive, most_reach_attractive or strongest.
-        """
-        choice = choice_named(rule)
-        chosen: Ints = (
-            np.arange(self._buffer.poses.rows) if rows is None else np.ascontiguousarray(rows, dtype=np.int64)
-        )
-        seen = self.gather(now, chosen, look, signs=EVERYTHING if rule == "strongest" else ATTRACTIVE)
-        pairs, found = np.empty((len(chosen), c.PAIR_COLUMNS)), np.empty(len(chosen), dtype=np.bool_)
-        view = self._buffer.settings.view_distance if look.view_distance is None else look.view_distance
-        poses = self._buffer.poses.packed.handle
-        choose_rows(choice, float(view), chosen, seen.start, seen.pairs, pairs, found, poses)
-        return pairs, found
-
     def choosing(self, stage: int, rows: Rows, rule: str, look: Filter, answers: tuple[Floats, Floats, Flags]) -> Step:
-        """Return the step of a program that writes the `answers` of a `Choosing` for `rows`."""
+        """Return the step of a program that writes the `answers` of a `Choosing` for `rows`, by a rule of CHOICES."""
         buffer, room, channels = self._buffer, self._room, tuple(look.channels)
         view = buffer.settings.view_distance if look.view_distance is None else look.view_distance
         chosen = Packed(Choosing(choice_named(rule), seen_by(look), float(view), *answers))

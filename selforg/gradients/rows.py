@@ -3,7 +3,6 @@
 `Codes` are the numbers that stand for names in these tables.
 """
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,6 @@ import numpy as np
 from selforg.arrays import Floats, Ints
 from selforg.gradients.gradient import Gradient
 from selforg.gradients.store import columns as c
-from selforg.gradients.store.records import Store
 from selforg.space import Space
 
 
@@ -73,24 +71,15 @@ def set_times(messages: Floats, now: float) -> None:
     far[:, c.FAR_STAMP] = far[:, c.FAR_CLOCK] = now
 
 
-def read_gradient(
-    store: Store, slot: int, dim: int, channel: str, source: int | str, payload: Mapping[str, Any]
-) -> Gradient:
-    """Return the gradient in a slot of a store; `clock` is when it last evaporated."""
-    near, link, far = store.near[slot], store.links[slot], store.far[slot]
-    clock = near[c.NEAR_DUE] - far[c.FAR_PERIOD] if np.isfinite(near[c.NEAR_DUE]) else far[c.FAR_CLOCK]
+def read_gradient(near: Floats, far: Floats, dim: int, **names: Any) -> Gradient:  # noqa: ANN401  (other fields)
+    """Return the gradient of columns as stores and messages have them: NEAR_ and FAR_; `names` are its other fields."""
     return Gradient(
-        channel=channel,
         position=tuple(near[c.X : c.X + dim].tolist()),
-        source=source,
         heading=tuple(far[c.FAR_HEADING : c.FAR_HEADING + dim].tolist()),
-        attraction=int(link[c.LINK_SIGN]),
         diffusion=float(near[c.DIFFUSION]),
         goal_radius=float(near[c.GOAL_RADIUS]),
         evaporation_factor=float(far[c.FAR_FACTOR]),
         evaporation_period=float(far[c.FAR_PERIOD]),
         stamp=float(far[c.FAR_STAMP]),
-        clock=float(clock),
-        moving=int(link[c.LINK_LAYER]) % c.LEVELS == c.MOVING,
-        payload=payload,
+        **names,
     )

@@ -7,7 +7,8 @@ from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import distances as torus_distances
 from clean_swarm_env.config.tasks import with_items
-from selforg.gradients.queries import Filter, Queries
+from selforg.components.sources import GoalSource
+from selforg.gradients.queries import Filter
 from tests.clean_swarm_env.courses import begun, coordinated, snapshot, ticked
 
 FIND = np.array([8.0, 8.0])
@@ -32,13 +33,14 @@ def exploring(option, robots, items=()):
 
 def test_who_finds_garbage_tells_where_for_a_while():
     worlds = exploring("Patrol", ((8.0, 7.6, 1.5), (25.0, 25.0, 0.0)), (tuple(FIND),))
-    queries, far_robot = Queries(worlds.minds.buffers["pheromones"]), np.array([1])
-    felt = np.zeros(2)
+    looks = [Filter((channel,), view_distance=30.0) for channel in ("find", "recent find")]
+    targets = [GoalSource(worlds.minds.buffers["pheromones"], "most_reach_attractive", look) for look in looks]
+    felt, far_robot = np.zeros(2), np.array([1])
     for _ in range(130):
         ticked(worlds, 5)
-        for k, channel in enumerate(("find", "recent find")):
-            look = Filter((channel,), view_distance=30.0)
-            felt[k] += queries.choose("most_reach_attractive", worlds.now, far_robot, look)[1][0]
+        for k, target in enumerate(targets):
+            target.ask(worlds.now, far_robot)
+            felt[k] += target.present[1]
     assert felt.tolist() == pytest.approx([120, 24], abs=3)  # 0.9 ** 12 is below the 0.3 m at which pheromones are gone
 
 

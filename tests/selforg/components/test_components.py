@@ -29,10 +29,11 @@ from selforg.components import (
     VectorPresent,
 )
 from selforg.gradients.buffer import SoBuffer
+from selforg.gradients.pair import Own, choose
 from selforg.gradients.poses import OwnPoses
-from selforg.gradients.queries import CHOICES, Filter, Queries
+from selforg.gradients.queries import ATTRACTIVE, CHOICES, EVERYTHING, Queries
 from selforg.gradients.settings import BufferSettings
-from selforg.gradients.store.columns import PAIR_DISTANCE, PAIR_DX, PAIR_GOAL_RADIUS
+from selforg.gradients.store.columns import DIFFUSION, PAIR_DISTANCE, PAIR_DX, PAIR_GOAL_RADIUS
 from selforg.mechanisms import (
     Exploration,
     FollowAll,
@@ -259,16 +260,24 @@ def test_a_target_is_what_a_query_chooses_also_where_much_is_in_view_and_channel
     poses.update(rng.uniform(0.0, 6.0, (5, 2)), np.zeros(5), 1.0)
     poses.silence([3])
     buffer = SoBuffer(BufferSettings(whole_seconds=whole_seconds, aggregation_distance=0.0), poses.space, poses)
-    source, look = GoalSource(buffer, rule), Filter()
+    source = GoalSource(buffer, rule)
     for channel in ("first", "second"):
         places, sign = rng.uniform(0.0, 6.0, (300, 2)), rng.integers(-1, 2, 300)
         buffer.store_static(0, channel, places, 1.0, attraction=sign, diffusion=rng.uniform(0.5, 2.0, 300))
-        pairs, found = Queries(buffer).choose(rule, 1.2, rows, look)
         source.ask(1.2, rows)
-        assert found.tolist() == [True, True, False, True]
-        np.testing.assert_array_equal(source.present[rows], found)
-        np.testing.assert_array_equal(source.offsets[rows], pairs[:, PAIR_DX : PAIR_DX + 2])
-        radii = pairs[:, PAIR_GOAL_RADIUS] + np.where(found, 0.2, 0.0)
-        np.testing.assert_allclose(source.clearance[rows], pairs[:, PAIR_DISTANCE] - radii, atol=1e-12)
+        assert source.present[rows].tolist() == [True, True, False, True]
+        seen = Queries(buffer).gather(1.2, rows, signs=EVERYTHING if rule == "strongest" else ATTRACTIVE)
+        for k, row in enumerate(rows.tolist()):
+            pairs = seen.pairs[seen.start[k] : seen.start[k + 1]]
+            own = Own(0.2, 0.2 + poses.own[row, 0, DIFFUSION], buffer.settings.view_distance)
+            best = choose(CHOICES[rule], pairs, len(pairs), own)
+            assert source.present[row] == (best >= 0)
+            if best >= 0:
+                np.testing.assert_array_equal(source.offsets[row], pairs[best, PAIR_DX : PAIR_DX + 2])
+                reached = pairs[best, PAIR_DISTANCE] - pairs[best, PAIR_GOAL_RADIUS]
+                assert source.clearance[row] == pytest.approx(reached - 0.2)
+            else:
+                assert (source.offsets[row] == 0.0).all()
+                assert source.clearance[row] == 0.0
     with pytest.raises(KeyError, match="unknown choice 'best'; known: nearest_attractive"):
         GoalSource(buffer, "best").ask(1.2, rows)

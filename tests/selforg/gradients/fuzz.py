@@ -10,6 +10,7 @@ import numpy as np
 from hypothesis import HealthCheck, given, seed, settings
 from hypothesis import strategies as st
 
+from selforg.components.sources import GoalSource
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.gradient import Gradient
 from selforg.gradients.poses import OwnPoses
@@ -81,7 +82,7 @@ def play(rule, torus, whole_seconds, sequence):
         vectors += [mechanism.move(now)[0][0].copy() for mechanism in looking]
         queries.gradients(0, now, Filter(view_distance=np.inf))
         for choice in ("nearest_attractive", "farthest_attractive", "most_reach_attractive", "strongest"):
-            queries.choose(choice, now, [0])
+            GoalSource(buffer, choice).ask(now, np.arange(1))
     return refused, np.array(vectors)
 
 

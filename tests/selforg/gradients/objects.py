@@ -4,10 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from selforg.components.sources import EVERYTHING_IN_VIEW
+from selforg.components.sources import EVERYTHING_IN_VIEW, GoalSource
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.gradient import Gradient
-from selforg.gradients.queries import Filter, Queries
+from selforg.gradients.pair import Own, choose
+from selforg.gradients.queries import ATTRACTIVE, CHOICES, EVERYTHING, Filter, Queries
+from selforg.gradients.store import columns as c
 from selforg.gradients.store.gathering import keep_ahead
 
 
@@ -17,8 +19,18 @@ def objects(buffer: SoBuffer, pairs: np.ndarray) -> list[Gradient]:
 
 def chosen(buffer: SoBuffer, rule: str, now: float, look: Filter = EVERYTHING_IN_VIEW) -> list[Gradient]:
     """Return the gradient that `rule` chooses for row 0, in a list that is empty if there is none."""
-    pairs, found = Queries(buffer).choose(rule, now, [0], look)
-    return objects(buffer, pairs[found])
+    signs = EVERYTHING if rule == "strongest" else ATTRACTIVE
+    pairs, poses = Queries(buffer).gather(now, [0], look, signs=signs).pairs, buffer.poses
+    view = buffer.settings.view_distance if look.view_distance is None else look.view_distance
+    goal_radius, diffusion = poses.own[0, 0, [c.GOAL_RADIUS, c.DIFFUSION]]
+    best = choose(CHOICES[rule], pairs, len(pairs), Own(goal_radius, goal_radius + diffusion, view))
+    target = GoalSource(buffer, rule, look)
+    target.ask(now, np.arange(1))
+    assert target.present[0] == (best >= 0)
+    if best >= 0:
+        dim = buffer.space.dim
+        np.testing.assert_array_equal(target.offsets[0], pairs[best, c.PAIR_DX : c.PAIR_DX + dim])
+    return objects(buffer, pairs[best : best + 1] if best >= 0 else [])
 
 
 def neighbours(buffer: SoBuffer, now: float, look: Filter = EVERYTHING_IN_VIEW) -> list[Gradient]:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from selforg.components.sources import GoalSource
 from selforg.gradients.queries import ATTRACTIVE, Filter, Queries
 from selforg.gradients.settings import BufferSettings
 from selforg.gradients.store.columns import PAIR_DISTANCE, PAIR_DX, PAIR_SLOT
@@ -88,7 +89,9 @@ def test_a_row_without_a_pose_sees_nothing_unless_it_asks_for_everything():
     queries = Queries(world.buffer)
     assert queries.gradients(1, 0.0) == []
     assert len(queries.gradients(1, 0.0, Filter(view_distance=np.inf, moving=False))) == 3
-    assert not queries.choose("nearest_attractive", 0.0)[1][1]
+    target = GoalSource(world.buffer)
+    target.ask(0.0, np.arange(2))
+    assert not target.present[1]
 
 
 def test_neighbours_leave_with_their_pose():
