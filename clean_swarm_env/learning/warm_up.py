@@ -19,11 +19,11 @@ from typing import Any
 import numpy as np
 
 from clean_swarm_env.config.task_names import TASKS_HOME
-from selector.coordination.coordinator import list_turns
 from selforg.compiler.ahead import compile_line
 from selforg.compiler.cache import cache_directory
 from selforg.compiler.decorators import KERNELS
 from selforg.compiler.switches import COMPILED, PLAIN
+from selforg.components.robot import list_turns
 
 try:
     import fcntl

@@ -64,7 +64,7 @@ class Scene:
         own, turn = declared(cls, parameters), {"type": "Turn", "mechanism": "go"}
         content = {**PARTS, "behaviours": {"Do": {"action": turn if sensor else own}}}
         content |= {"sensors": {"read": own}} if sensor else {}
-        robots = RunningConfiguration(validated(ConfigurationSpec, content, ""), self.host, cls.__name__).robots
+        robots = RunningConfiguration(validated(ConfigurationSpec, content, ""), self.host, cls.__name__)
         built = robots.sensors[0][1] if sensor else robots.actions[0][1]
         self.sources = tuple(built.sources)
         for source in self.sources:

@@ -25,12 +25,11 @@ from selforg.registry import unknown
 MOVEMENT = Reference("mechanism", MovementSource, MovementMechanism)
 
 
-class RunningConfiguration:
+class RunningConfiguration(OrganisedRobots):
     """One configuration at work in R rows; callers name the rows that hold it.
 
     Attributes:
         mechanisms: by name.
-        robots: the network of the configuration with sensors and actions.
         remembers: whether `forget` has anything to reset in a row that begins to hold the configuration.
 
     Raises:
@@ -59,22 +58,22 @@ class RunningConfiguration:
         }
         with within(where):
             network = BehaviourNetwork(spec.network_model(), host.rows, explained=explained)
-        self.robots = OrganisedRobots(network, sensors, actions)
+        super().__init__(network, sensors, actions)
         self._steering = [m for m in self.mechanisms.values() if isinstance(m, SteeringMechanism)]
         self._kept = [source for source in self._movements.values() if source.hold > 0.0]
         self.remembers = bool(spec.knowledge or self._decisions_made or self._kept or self._steering)
         self.forget(np.arange(host.rows))
 
     @property
-    def network(self) -> BehaviourNetwork:
-        """The network of the configuration."""
-        return self.robots.network
-
-    @property
     def view_distance(self) -> float:
         """The longest view distance of a mechanism that moves the robot [m]; 0 without one."""
         seen = [m.view_distance for m in self.mechanisms.values() if isinstance(m, MovementMechanism)]
         return float(max(seen, default=0.0))
+
+    def reset(self, rows: Ints) -> None:
+        """Clear network and memory of `rows` (K,)."""
+        self.network.reset(rows)
+        self.forget(rows)
 
     def forget(self, rows: Ints) -> None:
         """Reset memory, decisions and steering of `rows` (K,) to their first values, and drop kept movements."""

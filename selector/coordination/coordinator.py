@@ -8,7 +8,7 @@ number of options in use, not with the number of robots.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated, NamedTuple
+from typing import Annotated
 
 import numpy as np
 
@@ -19,13 +19,13 @@ from selector.coordination.model import CoordinatorModel
 from selforg.arrays import KEPT, READ, SCRATCH, Floats, Ints, Within, derived
 from selforg.commands import Commands
 from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Handle, Packed, Written, opening
+from selforg.components.robot import Turning
 from selforg.declared import make_arrays
 from selforg.network import state as st
-from selforg.network.model.packed import PackedModel
 from selforg.network.network import BehaviourNetwork
-from selforg.network.state import RowStates, open_states, reset_rows
-from selforg.program import ACT, SENSE, Rows, Step
+from selforg.program import SENSE, Rows, Step
+
+_NO_COLUMNS = np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
 
 
 class Coordinator:
@@ -77,7 +77,7 @@ class Coordinator:
         )
         for content in self.contents:
             sensors = content.network.model.sensors
-            content.robots.show_in(
+            content.show_in(
                 parent.readings,
                 np.array([parent.model.sensor_index[sensor.name] for sensor in sensors], dtype=np.int64),
             )
@@ -99,8 +99,7 @@ class Coordinator:
     def reset(self, rows: Ints) -> None:
         """Clear the networks and memory inside `rows` (K,); each row keeps the option that it holds."""
         for content in self.contents:
-            content.network.reset(rows)
-            content.forget(rows)
+            content.reset(rows)
         self._stale[rows] = 0
         self.parent.hold(rows, self.index, self.held[rows])
         self._let_compete(rows)
@@ -159,20 +158,20 @@ class Coordinator:
         """The options that any row holds."""
         return tuple(np.flatnonzero(self._counts).tolist())
 
-    def steps(self, commands: Commands) -> list[Step]:
+    def serving(self, commands: Commands) -> list[Step]:
         """Return the steps of all options: sensors go into the parent's readings, movements into `commands`.
 
         They act where the parent runs the coordinator. Those that only steer do so everywhere, or while the behaviours
         run during which they steer.
         """
         steps = [Step(SENSE, lambda now, _: self._group(), Rows(self._all, self._ungrouped))]
+        acting, renewed = self._turns
         for option, content in enumerate(self.contents):
-            network, members = content.network, Rows(self._members[option], self._counts[option : option + 1])
-            acting = Rows(self._turns[0], np.zeros(1, dtype=np.int64))
-            turning = Packed(Turning(self._turn_of[option], self._stale, *acting, self._turns[1]))
-            records = turning, self.parent.packed, network.model.packed, network.packed
-            steps.append(Step(ACT, list_turns, members, list_turns, records, always=True))
-            steps += content.robots.steps(members, acting, commands)
+            members = Rows(self._members[option], self._counts[option : option + 1])
+            turning = Turning(
+                self._turn_of[option], False, *_NO_COLUMNS, self._stale, renewed, acting, np.zeros(1, int)
+            )
+            steps += content.inside(self.parent, turning, members, members, commands)
         return steps
 
 
@@ -229,55 +228,3 @@ def apply_options(
     if changed:
         group(held, members, counts)
     return changed
-
-
-class Turning(NamedTuple):
-    """Which rows of an option act."""
-
-    behaviours: Annotated[Ints, "B", READ]  # those outside with which the option acts; without any it always does
-    stale: Annotated[Ints, "R", KEPT]  # 1: the network inside has to be reset
-    acting: Annotated[Ints, "R", SCRATCH]  # rows that act, the first `length`
-    length: Annotated[Ints, "1", SCRATCH]
-    renewed: Annotated[Ints, "R", SCRATCH]  # room for those of them to reset
-
-
-open_turning = opening(Turning)
-
-
-@lean_kernel
-def list_turns(
-    now: float,
-    rows: Ints,
-    turning: Written[Turning],
-    outer: Handle[RowStates],
-    model: Handle[PackedModel],
-    inner: Written[RowStates],
-) -> int:
-    """List those of `rows` (K,) that act, and restart the networks inside that are stale.
-
-    This is a step, see `selforg.program`. A row acts where one of the behaviours outside runs; without any, all rows
-    act. Where such a behaviour has just started, all behaviours inside are stopped.
-    """
-    t, outer_marks, inner_marks = open_turning(turning), open_states(outer).marks, open_states(inner).marks
-    acting, renewed = 0, 0
-    for row in rows:
-        runs, starts = t.behaviours.shape[0] == 0, False
-        for behaviour in t.behaviours:
-            runs = runs or outer_marks[row, st.EXECUTING, behaviour] != 0
-            starts = starts or outer_marks[row, st.STARTED, behaviour] != 0
-        if not runs:
-            continue
-        t.acting[acting] = row
-        acting += 1
-        if t.stale[row]:
-            t.stale[row] = 0
-            t.renewed[renewed] = row
-            renewed += 1
-        if starts:
-            for b in range(inner_marks.shape[2]):
-                inner_marks[row, st.EXECUTING, b] = 0
-                inner_marks[row, st.EXECUTION_TIME, b] = -1
-    t.length[0] = acting
-    if renewed > 0:
-        reset_rows(t.renewed[:renewed], model, inner)
-    return 0

@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
-
 import numpy as np
 
 from selector.configurations.host import Host
 from selector.configurations.running import RunningConfiguration
 from selector.coordination.robot_network import RobotNetwork
-from selforg.arrays import READ, SCRATCH, Ints
 from selforg.commands import Commands
-from selforg.compiler.decorators import lean_kernel
-from selforg.compiler.records import Handle, Packed, Written, opening
-from selforg.network import state as st
+from selforg.components.robot import Turning
 from selforg.network.network import BehaviourNetwork
-from selforg.network.state import RowStates, open_states
 from selforg.program import ACT, Rows, Step
 
 
-class InnerNetwork:
+class InnerNetwork(RunningConfiguration):
     """R rows of a network inside the behaviour `holder` of the network `parent`.
 
     Its steps follow the step of the parent. The network decides in every step in which its holder runs, with a decision
@@ -36,11 +30,8 @@ class InnerNetwork:
 
     Attributes:
         name: the behaviours around and the holder, as in `Tidy/Approach`.
-        configuration: the network at work with its components.
 
     """
-
-    _all: Annotated[Ints, "R", READ]
 
     def __init__(
         self,
@@ -56,64 +47,17 @@ class InnerNetwork:
         self.parent = parent
         self.index = parent.model.behaviour_index[holder]
         assert held.spec is not None  # only the root has none
-        self.configuration = RunningConfiguration(held.spec, host, f"network in {self.name}", explained=explained)
-        self._outside, self._inside = held.shared_columns(parent.model)
-        self._all, self._runs = np.arange(parent.rows), Rows.of(np.zeros(parent.rows, dtype=np.int64))
+        super().__init__(held.spec, host, f"network in {self.name}", explained=explained)
+        self._columns = held.shared_columns(parent.model)
 
-    @property
-    def network(self) -> BehaviourNetwork:
-        """The network itself, without the networks inside."""
-        return self.configuration.network
-
-    def reset(self, rows: Ints) -> None:
-        """Clear network and memory of `rows` (K,)."""
-        self.network.reset(rows)
-        self.configuration.forget(rows)
-
-    def steps(self, commands: Commands) -> list[Step]:
+    def serving(self, commands: Commands) -> list[Step]:
         """Return the steps that sense, decide and act where the holder runs; movements go into `commands`."""
-        entering = Packed(Entering(self.index, self._outside, self._inside, *self._runs))
-        records = entering, self.parent.packed, self.network.packed
-        inside = self.configuration.robots.steps(self._runs, self._runs, commands)
-        enter = Step(ACT, enter_rows, Rows.of(self._all), enter_rows, records)
-        return [enter, *(step._replace(stage=max(step.stage, ACT)) for step in inside)]
-
-
-class Entering(NamedTuple):
-    """Which rows run a network inside a behaviour, and which readings it shares with the network around."""
-
-    holder: int  # the behaviour of the network around
-    outside: Annotated[Ints, "S", READ]  # columns of the readings there
-    inside: Annotated[Ints, "S", READ]  # the same columns inside
-    runs: Annotated[Ints, "R", SCRATCH]  # rows that run it, the first `length`
-    length: Annotated[Ints, "1", SCRATCH]
-
-
-open_entering = opening(Entering)
-
-
-@lean_kernel
-def enter_rows(
-    now: float, rows: Ints, entering: Handle[Entering], outer: Handle[RowStates], inner: Written[RowStates]
-) -> int:
-    """List those of `rows` (K,) in which the holder runs, and show them its readings; a step, see `selforg.program`.
-
-    All behaviours inside stop where the holder does not run, or has just started.
-    """
-    e, around, held = open_entering(entering), open_states(outer), open_states(inner)
-    e.length[0] = 0
-    for row in rows:
-        runs = around.marks[row, st.EXECUTING, e.holder] != 0
-        if not runs or around.marks[row, st.STARTED, e.holder] != 0:
-            for behaviour in range(held.marks.shape[2]):
-                held.marks[row, st.EXECUTING, behaviour] = 0
-                held.marks[row, st.EXECUTION_TIME, behaviour] = -1
-        if runs:
-            e.runs[e.length[0]] = row
-            e.length[0] += 1
-            for k in range(len(e.inside)):
-                held.readings[row, e.inside[k]] = around.readings[row, e.outside[k]]
-    return 0
+        rows = self.parent.rows
+        room = (np.zeros(length, dtype=np.int64) for length in (rows, rows, rows, 1))
+        turning = Turning(np.array([self.index]), 1, *self._columns, *room)
+        acting, everyone = Rows(turning.acting, turning.length), Rows.of(np.arange(rows))
+        inside = self.inside(self.parent, turning, everyone, acting, commands)
+        return [step._replace(stage=max(step.stage, ACT)) for step in inside]
 
 
 def inner_networks(

@@ -81,7 +81,7 @@ class CoordinatedRobots:
         for column, sensor in self._sensors:
             steps += [step for source in sensor.sources for step in source.asking(SENSE, everyone)]
             steps.append(sensor.reading(everyone, readings, column, readings, column))
-        return [*steps, *(step for inside in self._inside for step in inside.steps(commands))]
+        return [*steps, *(step for inside in self._inside for step in inside.serving(commands))]
 
     def reset(self, rows: Ints | None = None) -> None:
         """Clear all networks of `rows` (K,) or of all rows; each row keeps the options that it holds."""

@@ -3,20 +3,81 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from selforg.arrays import READ, Floats, Ints
+from selforg.arrays import KEPT, READ, SCRATCH, Floats, Ints
 from selforg.commands import Commands
+from selforg.compiler.decorators import lean_kernel
+from selforg.compiler.records import Handle, Packed, Written, opening
 from selforg.components.actions import Action
 from selforg.components.sensors import SensorComponent
 from selforg.components.sources import Source
+from selforg.network import state as st
+from selforg.network.model.packed import PackedModel
 from selforg.network.network import BehaviourNetwork
-from selforg.network.state import list_running
+from selforg.network.state import RowStates, list_running, open_states, reset_rows
 from selforg.program import ACT, SENSE, Rows, Step
 
 Actions = Mapping[str, Action | Sequence[Action]]
+
+
+class Turning(NamedTuple):
+    """In which rows a network runs that lies inside behaviours of another one, and which readings it gets from that."""
+
+    behaviours: Annotated[Ints, "B", READ]  # those outside with which it runs; without any it always does
+    stops: int  # 1: all behaviours inside stop where it does not run
+    outside: Annotated[Ints, "S", READ]  # columns of the readings outside
+    columns: Annotated[Ints, "S", READ]  # the same inside
+    stale: Annotated[Ints, "R", KEPT]  # 1: the network has to be reset
+    renewed: Annotated[Ints, "R", SCRATCH]  # room for the rows to reset
+    acting: Annotated[Ints, "R", SCRATCH]  # rows that act, the first `length`
+    length: Annotated[Ints, "1", SCRATCH]
+
+
+open_turning = opening(Turning)
+
+
+@lean_kernel
+def list_turns(
+    now: float,
+    rows: Ints,
+    turning: Written[Turning],
+    outer: Handle[RowStates],
+    model: Handle[PackedModel],
+    inner: Written[RowStates],
+) -> int:
+    """List those of `rows` (K,) that act, and restart the networks inside that are stale.
+
+    This is a step, see `selforg.program`. A row acts where one of the behaviours outside runs; without any, all rows
+    act. Where such a behaviour has just started, all behaviours inside are stopped.
+    """
+    t, around, held = open_turning(turning), open_states(outer), open_states(inner)
+    acting, renewed = 0, 0
+    for row in rows:
+        runs, starts = t.behaviours.shape[0] == 0, False
+        for behaviour in t.behaviours:
+            runs = runs or around.marks[row, st.EXECUTING, behaviour] != 0
+            starts = starts or around.marks[row, st.STARTED, behaviour] != 0
+        if (runs and starts) or (t.stops == 1 and not runs):
+            for b in range(held.marks.shape[2]):
+                held.marks[row, st.EXECUTING, b] = 0
+                held.marks[row, st.EXECUTION_TIME, b] = -1
+        if not runs:
+            continue
+        t.acting[acting] = row
+        acting += 1
+        if t.stale[row]:
+            t.stale[row] = 0
+            t.renewed[renewed] = row
+            renewed += 1
+        for k in range(len(t.columns)):
+            held.readings[row, t.columns[k]] = around.readings[row, t.outside[k]]
+    t.length[0] = acting
+    if renewed > 0:
+        reset_rows(t.renewed[:renewed], model, inner)
+    return 0
 
 
 class OrganisedRobots:
@@ -75,6 +136,18 @@ class OrganisedRobots:
             steps += [step for source in sources for step in source.asking(ACT, running)]
             steps += action.steps(running, started, commands)
         return steps
+
+    def inside(
+        self, outer: BehaviourNetwork, turning: Turning, members: Rows, sensing: Rows, commands: Commands
+    ) -> list[Step]:
+        """Return the steps of those of `members` whose network runs inside behaviours of the network `outer`.
+
+        sensing: `members`, or those that act.
+        """
+        records = Packed(turning), outer.packed, self.network.model.packed, self.network.packed
+        acting = Rows(turning.acting, turning.length)
+        listing = Step(ACT, list_turns, members, list_turns, records, always=True)
+        return [listing, *self.steps(sensing, acting, commands)]
 
     def show_in(self, readings: Floats, columns: Ints) -> None:
         """Write all readings also into `readings` (N, T), those of sensor k into column columns[k], from now on."""

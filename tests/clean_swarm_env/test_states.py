@@ -155,7 +155,7 @@ def test_a_state_of_a_class_that_is_not_installed_is_refused_in_one_line(monkeyp
         (lambda batch: Batch(CROWD).set_state(batch.get_state([0])), "world: expected"),
         (
             lambda _: Worlds(SHORT, avoidance(), explained=True).set_state(Worlds(SHORT, avoidance()).get_state()),
-            r"^state: coordinators.0.contents.0.robots.network.state.marks: expected ",
+            r"^state: coordinators.0.contents.0.network.state.marks: expected ",
         ),
     ],
 )

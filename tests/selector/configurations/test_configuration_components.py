@@ -321,7 +321,7 @@ def test_a_sum_asks_its_parts_once_for_all_who_read_them(tmp_path):
         spec, Host(poses, {"gradients": SoBuffer(BufferSettings(), poses.space, poses)}, drawn), ""
     )
     walk, away, _ = (made._movements[name] for name in ("walk", "away", "both"))
-    alone = Alone(made.robots, guarantee=True)
+    alone = Alone(made, guarantee=True)
     for tick in range(1, 12):
         commands = alone.tick(0.2 * tick)
         assert commands.commanded.all()

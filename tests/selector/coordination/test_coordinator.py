@@ -9,12 +9,13 @@ from clean_swarm_env.config.mission import NetworkConfig
 from clean_swarm_env.tasks.cleaning.robot import robot_network
 from selector.configurations.host import Host
 from selector.configurations.library import Library
-from selector.coordination.coordinator import Coordinator, Turning, list_turns
+from selector.coordination.coordinator import Coordinator
 from selector.coordination.model import CoordinatorModel
 from selector.documents.errors import DocumentError
 from selector.knowledge import load_knowledge
 from selforg.commands import Commands
 from selforg.compiler.records import Packed
+from selforg.components.robot import Turning, list_turns
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
@@ -98,7 +99,7 @@ def _coordinator(avoidance, vectors):
 def test_only_the_mechanisms_held_are_asked_and_only_by_their_rows(avoidance):
     coordinator, _, made = _coordinator(avoidance, np.zeros((ROWS, 2)))
     coordinator.hold(np.arange(ROWS), np.where(np.arange(ROWS) < 15, 0, 2))
-    run(coordinator.steps(Commands(ROWS, 2)), 0.0, SENSE)
+    run(coordinator.serving(Commands(ROWS, 2)), 0.0, SENSE)
     assert [mechanism.asked for mechanism in made] == [[list(range(15))], [], [list(range(15, 20))]]
 
 
@@ -106,7 +107,7 @@ def test_presence_and_length_of_the_vector_are_read_and_forgotten_when_the_optio
     vectors = np.zeros((ROWS, 2))
     vectors[3], vectors[4] = (0.3, 0.4), (1e-10, 0.0)
     coordinator, network, _ = _coordinator(avoidance, vectors)
-    run(coordinator.steps(Commands(ROWS, 2)), 0.0, SENSE)
+    run(coordinator.serving(Commands(ROWS, 2)), 0.0, SENSE)
     presence, length = (network.model.sensor_index[name] for name in ("rep_bool", "rep_len"))
     assert np.flatnonzero(network.readings[:, presence]).tolist() == [3]
     assert network.readings[3, length] == pytest.approx(0.5)
@@ -122,7 +123,7 @@ def test_a_running_coordinator_moves_its_rows_by_the_vector_of_the_option_they_h
     ran = np.zeros(ROWS, np.bool_)
     network.read({"garbage_found": True})  # nothing else is ready: there is nothing to patrol for
     commands = Commands(ROWS, 2)
-    steps = [*coordinator.steps(commands), network.deciding(DECIDE, Rows.of(np.arange(ROWS)), False)]
+    steps = [*coordinator.serving(commands), network.deciding(DECIDE, Rows.of(np.arange(ROWS)), False)]
     program = Program(lambda: steps)
     for _ in range(60):
         commands.clear()
@@ -165,7 +166,8 @@ def test_a_network_inside_is_listed_as_stale_once():
     model = NetworkModel([Sensor("near", "fact")], [Behaviour("Go")], [])
     outer, inner = BehaviourNetwork(model, 3), BehaviourNetwork(model, 3)
     none = np.zeros(0, dtype=np.int64)
-    turning = Turning(none, np.array([1, 1, 0]), *(np.zeros(size, dtype=np.int64) for size in (3, 1, 3)))
+    room = (np.zeros(size, dtype=np.int64) for size in (3, 3, 1))
+    turning = Turning(none, 0, none, none, np.array([1, 1, 0]), *room)
     inner.state.values[:] = 1.0
     records = (Packed(turning), outer.packed, model.packed, inner.packed)
     for reset in ([0.0, 1.0, 1.0], [1.0, 1.0, 1.0]):
