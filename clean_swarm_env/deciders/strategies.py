@@ -119,8 +119,8 @@ class PolicyDecider(Decider):
     def moves(self, seen: Mapping[str, float], held: Mapping[str, str]) -> dict[str, dict[str, Any]]:
         """Return for each goal the option of a robot that sees something, its probability, and the inputs.
 
-        It is the likeliest one, or that which it has `sampled`, of those that it holds, by goal. `moved`: by how much
-        each input made it likelier than the input's mean does.
+        It is the one that it holds, by goal, which may be `sampled`; the likeliest if the network does not know that.
+        `moved`: by how much each input made it likelier than the input's mean does.
         """
         spec, told = self._spec, {}
         inputs = {name: seen[name] for name in spec.observations}
@@ -132,12 +132,11 @@ class PolicyDecider(Decider):
             likely = shares(heads[:, outputs][:, known])
             names = [spec.goals[goal][number] for number in known]
             taken = JOINT.join(held[one] for one in goal.split(JOINT))
-            sampled = spec.probing.sampled and taken in names
-            chosen = names.index(taken) if sampled else int(likely[0].argmax())
+            chosen = names.index(taken) if taken in names else int(likely[0].argmax())
             moved = (likely[0, chosen] - likely[1:, chosen]).tolist()
             told[goal] = {
                 "option": names[chosen],
-                "sampled": sampled,
+                "sampled": self._prober.probing.sampled and taken in names,
                 "probability": float(likely[0, chosen]),
                 "inputs": inputs,
                 "moved": dict(zip(spec.observations, moved, strict=True)),

@@ -48,11 +48,14 @@ class Prober:
     Raises:
         DocumentError: the problem has none of that name, or a team has fewer robots than begin otherwise.
 
+    Attributes:
+        probing: who tries what.
+
     """
 
     def __init__(self, probing: Probing, problem: Problem, teams: Ints) -> None:
         rows, least = len(teams), int(np.unique(teams, return_counts=True)[1].min(initial=len(teams)))
-        self._probing, self._first = probing, np.zeros(rows, dtype=np.bool_)
+        self.probing, self._first = probing, np.zeros(rows, dtype=np.bool_)
         self._keys: Keys = row_keys(np.random.SeedSequence(0), rows)
         self._decided: Keys = np.zeros(rows, dtype=np.uint64)
         if probing.robots > least:
@@ -69,19 +72,19 @@ class Prober:
     def reset(self, rows: Ints, seed: int) -> None:
         """Give `rows` (N,), those of a team, new keys."""
         self._keys[rows], self._decided[rows] = row_keys(np.random.SeedSequence([seed, 2]), len(rows)), 0
-        self._first[rows] = np.arange(len(rows)) < self._probing.robots
+        self._first[rows] = np.arange(len(rows)) < self.probing.robots
 
     def choose(self, best: Ints, known: Flags, outputs: Floats | None = None) -> Ints:
         """Return the column `best` (R,) of O, or in its place one that the robot tries, of those `known`.
 
         known: (R, O) or (O,). `outputs` (R, O) are the logarithms of probabilities, by which robots sample.
         """
-        sampled = outputs if self._probing.sampled else None
-        if sampled is None and not self._probing.probability:
+        sampled = outputs if self.probing.sampled else None
+        if sampled is None and not self.probing.probability:
             return best
         likely = np.eye(known.shape[-1])[best]
         others = known & (likely == 0.0)
-        tried = self._probing.probability * others.any(axis=1, keepdims=True)
+        tried = self.probing.probability * others.any(axis=1, keepdims=True)
         chances = (1.0 - tried) * (likely if sampled is None else shares(sampled))
         chances += tried * others / np.maximum(others.sum(axis=1, keepdims=True), 1)
         self._decided += np.uint64(1)
@@ -89,6 +92,6 @@ class Prober:
 
     def held(self, options: Ints, observations: npt.NDArray[np.floating]) -> Ints:
         """Return `options` (R,), or the option with which some begin until they see in `observations` (R, F) to end."""
-        if not self._probing.robots:
+        if not self.probing.robots:
             return options
         return np.where(self._first & (observations[:, self._places[1]] <= 0.5), self._places[0], options)

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, nullcontext
+from json import dumps
 from pathlib import Path
 from shutil import copyfile
 from tempfile import TemporaryDirectory
@@ -27,7 +28,10 @@ ConditionOption = Annotated[str | None, typer.Option(help="Condition of the run;
 def explain_command(
     run: RunDirectory,
     robot: Annotated[int, typer.Option(help="Number of the robot, from 0 on.")],
-    time: Annotated[float, typer.Option(help="Time in the mission [s]; the decision that held then is explained.")],
+    time: Annotated[
+        float | None,
+        typer.Option(help="Time in the mission [s] to explain; without it the robot's largest turns are listed."),
+    ] = None,
     scenario: ScenarioOption = None,
     condition: ConditionOption = None,
     what_if: Annotated[bool, typer.Option("--what-if", help="Show the robot's next 5 s under each option.")] = False,
@@ -35,13 +39,19 @@ def explain_command(
 ) -> None:
     """Explain what a robot decided at a time, what it planned, and why; a run without a recording is repeated."""
     check_there(run)
+    if time is None and what_if:
+        raise ConfigurationError("--what-if: expected --time beside it")
     from clean_swarm_env.recording.reader import RecordedMission  # these import Numba
     from train.evaluation import explain as explaining
     from train.running.needs import most_numbers
 
     also = "; run again for --what-if" if what_if else ""
-    with recorded(run, scenario, condition, time, also=also) as (task, path):
+    with recorded(run, scenario, condition, math.inf if time is None else time, also=also) as (task, path):
         recording = RecordedMission(path, most=most_numbers())
+        if time is None:
+            turns = explaining.largest_turns(recording, robot)
+            typer.echo(dumps(turns, indent=2) if json else explaining.turns_in_words(turns, robot))
+            return
         explained = explaining.explained(task, recording, robot, time, ahead=what_if)
     if json:
         typer.echo(explaining.as_json(*explained))
@@ -134,7 +144,7 @@ def recorded(
     with TemporaryDirectory() as folder:
         if path is None:
             changed = changed_versions(run)
-            told = f"run again: {run / RECORDINGS} has no recording of it" + minds * " with --minds"
+            told = f"run again: {run / RECORDINGS} has no recording of it" + minds * " (evaluate --minds makes one)"
             told += f"; the course may differ from the one then: {', '.join(changed)}" if changed else ""
             with progress("repeating the run", 1) as update:
                 update(most=min(until, task.first.mission.time_limit))

@@ -6,6 +6,7 @@ The text fits into 80 columns: a table of the terms of each activation, and a tr
 import json
 from collections.abc import Sequence
 from dataclasses import asdict
+from math import tau
 from typing import Any, Final
 
 import numpy as np
@@ -25,7 +26,7 @@ from selforg.arrays import Flags
 from selforg.network.explanation import Explanation, condition_tree, header, table
 from selforg.space import Torus
 from train.evaluation.repeat import steps_of
-from train.evaluation.why import facts_of, sentence
+from train.evaluation.why import SLOW, STRAIGHT, facts_of, sentence
 from train.running.trial_task import TrialTask
 
 STATES: Final = {"failed": "it has failed: its body stays", "taken away": "it has been taken away"}
@@ -34,6 +35,10 @@ STILL: Final = 0.1
 """Distance within which a robot stays where it is, as in `mind.js` of the replay page [m]."""
 SHORTEST_STAY: Final = 1.0
 """What is shorter is no stay [s]."""
+MOST_TURNS: Final = 8
+"""Turns of a robot that are listed."""
+APART: Final = 2.0
+"""Turns that are nearer to each other than this are one [s]."""
 
 
 def explained(
@@ -47,8 +52,7 @@ def explained(
     repeated.
     """
     count, period = task.first.mission.rows, recording.period
-    if not 0 <= robot < count:
-        raise ConfigurationError(f"--robot: expected a number from 0 to {count - 1}, got {robot}")
+    check_robot(count, robot)
     names = {"experiment": task.experiment, "scenario": task.first.id, "condition": task.condition, "seed": task.seed}
     frame = frame_at_time(recording, time)
     now, there = recording.at(frame), recording["present"][: frame + 1].astype(np.bool_)
@@ -77,6 +81,40 @@ def explained(
         what_if = WhatIf(batch, decided, task.settings.observation, task.directories)
         told["what_if"] = what_if.options(robot, decider, last, np.full(count, -1))
     return names, step, {"stayed_s": round(stayed * period, 9), "running_s": ran, **told}
+
+
+def largest_turns(recording: RecordedMission, robot: int) -> list[dict[str, float]]:
+    """Return where the direction that a robot was told to drive changed most: `time_s`, and `turn_deg`, to the left.
+
+    In the order of time; of those that are near each other the largest.
+    """
+    check_robot(recording.head["robots"], robot)
+    x, y = recording["command_x"][:, robot], recording["command_y"][:, robot]
+    turns = np.diff(np.arctan2(y, x), prepend=0.0)
+    turns -= tau * np.round(turns / tau)
+    told = np.hypot(x, y) > SLOW
+    turns[~told | ~np.roll(told, 1)] = turns[0] = 0.0
+    found: list[int] = []
+    for frame in np.argsort(-np.abs(turns), kind="stable"):
+        if abs(turns[frame]) > STRAIGHT and all(abs(frame - one) * recording.period >= APART for one in found):
+            found.append(int(frame))
+    return [
+        {"time_s": round(frame * recording.period, 9), "turn_deg": round(float(np.degrees(turns[frame])), 1)}
+        for frame in sorted(found[:MOST_TURNS])
+    ]
+
+
+def check_robot(count: int, robot: int) -> None:
+    """Raise ConfigurationError for the number of a robot that is not among `count`."""
+    if not 0 <= robot < count:
+        raise ConfigurationError(f"--robot: expected a number from 0 to {count - 1}, got {robot}")
+
+
+def turns_in_words(turns: Sequence[dict[str, float]], robot: int) -> str:
+    """Return the largest turns of a robot as lines of text."""
+    sides = ("right", "left")
+    told = [f"{one['time_s']:8g} s  {abs(one['turn_deg']):3.0f} degrees {sides[one['turn_deg'] > 0]}" for one in turns]
+    return "\n".join([f"largest turns of robot {robot}; --time says why it turned:", *(told or ["none"])])
 
 
 def frame_at_time(recording: RecordedMission, time: float) -> int:

@@ -99,6 +99,8 @@ def test_a_policy_samples_options_as_it_gives_them_where_its_file_or_the_caller_
         True,
         round(likely[rarest], 6),
     )
+    told = best.moves(seen, {"Goal": OPTIONS[rarest]})["Goal"]
+    assert (told["option"], told["sampled"]) == (OPTIONS[rarest], False)
     told = free.moves(seen, {"Goal": "what it began with"})["Goal"]
     assert (told["option"], told["sampled"]) == (OPTIONS[int(likely.argmax())], False)
 

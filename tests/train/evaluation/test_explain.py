@@ -93,6 +93,32 @@ def test_how_long_a_robot_has_stayed_and_done_what_it_does_is_told(evaluated, ti
             assert seconds == pytest.approx((step - began + 1) * 0.2)
 
 
+def test_without_a_time_the_largest_turns_of_a_robot_are_listed(evaluated, tmp_path):
+    done("record", evaluated, "--output", tmp_path / "run.swarm")
+    recording = RecordedMission(tmp_path / "run.swarm")
+    told = np.stack([recording[f"command_{axis}"][:, 3] for axis in "xy"], axis=1)
+    before, after = told[:-1], told[1:]
+    sines = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+    turns = np.degrees(np.arctan2(sines, (before * after).sum(axis=1)))
+    moving = np.linalg.norm(told, axis=1) > 0.05
+    turns[~(moving[:-1] & moving[1:])] = 0.0
+    found = json.loads(done("explain", evaluated, "--robot", 3, "--json"))
+    largest = max(found, key=lambda one: abs(one["turn_deg"]))
+    assert abs(largest["turn_deg"]) == pytest.approx(np.abs(turns).max(), abs=0.1)
+    assert 2 <= len(found) <= 8
+    assert (np.diff([one["time_s"] for one in found]) >= 2.0 - 1e-9).all()
+    for one in found:
+        assert turns[round(one["time_s"] / 0.2) - 1] == pytest.approx(one["turn_deg"], abs=0.1)
+    assert json.loads(done("explain", evaluated, "--robot", 3, "--time", largest["time_s"], "--json"))["robot"] == 3
+    first, *lines = done("explain", evaluated, "--robot", 3).splitlines()
+    assert first == "largest turns of robot 3; --time says why it turned:"
+    sides = ["left" if one["turn_deg"] > 0 else "right" for one in found]
+    assert [line.split()[-1] for line in lines] == sides
+    assert [float(line.split()[0]) for line in lines] == [one["time_s"] for one in found]
+    assert "--robot: expected a number from 0 to 4, got 5" in refused("explain", evaluated, "--robot", 5)
+    assert "--what-if: expected --time beside it" in refused("explain", evaluated, "--robot", 3, "--what-if")
+
+
 def test_robots_that_join_are_explained_from_then_on(changing):
     assert refused("explain", changing, "--robot", 5, "--time", 1.8) == (
         "error: robot 5: expected a robot that is in the team at 1.8 s; "
@@ -316,7 +342,8 @@ def test_what_is_read_from_a_recording_is_what_the_repeated_run_says(tmp_path, n
         read, again = (command("explain", tmp_path / folder, *which) for folder in ("run", "bare"))
         assert read[:2] == again[:2]
         assert read[2] == f"read from {path}\n"
-        assert again[2] == f"run again: {tmp_path / 'bare' / 'recordings'} has no recording of it with --minds\n"
+        missing = f"{tmp_path / 'bare' / 'recordings'} has no recording of it (evaluate --minds makes one)"
+        assert again[2] == f"run again: {missing}\n"
 
 
 def plain(told, near=lambda number, **_: number):
