@@ -63,6 +63,7 @@ class Batch(ManyWorlds):
     Attributes:
         rows, robots, count: R, N and W.
         period, decision_period: lengths of a control period and of a decision period [s].
+        ticks_per_step: control periods in a decision period.
         mission: the mission of all worlds, or what their missions have in common.
         options: coordinated goal -> names of its options; `choices` are these as actions.
         observer: names and bounds of the components of an observation.
@@ -130,7 +131,7 @@ class Batch(ManyWorlds):
         self.options: Mapping[str, tuple[str, ...]] = {model.goal: model.options for model in models}
         always = np.stack([coordinator.always for coordinator in self.worlds.coordinators], axis=1)
         self.choices = LearnerActions(models, self.action, always, self.worlds.task.phases or ("any",))
-        self._ticks_per_step, self.program = round(self.decision_period / self.period), Program(self._steps)
+        self.ticks_per_step, self.program = round(self.decision_period / self.period), Program(self._steps)
         self.progress = MissionProgress(self.worlds)
         self.working, self.took_part = self.worlds.team.working, self.progress.took_part
         self.open_team = episodes.fewest < self.robots
@@ -207,7 +208,7 @@ class Batch(ManyWorlds):
 
     def steps(self, world: int) -> int:
         """Return how many decision periods of its mission a world has done."""
-        return -(-int(self.progress.elapsed[world]) // self._ticks_per_step)
+        return -(-int(self.progress.elapsed[world]) // self.ticks_per_step)
 
     @property
     def over(self) -> Flags:
@@ -251,7 +252,7 @@ class Batch(ManyWorlds):
         """Run one decision period."""
         self._start_period(actions)
         if self.watch is None:
-            self.worlds.run(self.program, self._ticks_per_step)
+            self.worlds.run(self.program, self.ticks_per_step)
             return self.end_period()
         for _ in self._each_tick():
             self.watch()
@@ -285,7 +286,7 @@ class Batch(ManyWorlds):
         self.rewards.start_period()
 
     def _each_tick(self) -> Iterator[Worlds]:
-        for _ in range(self._ticks_per_step):
+        for _ in range(self.ticks_per_step):
             self.tick()
             yield self.worlds
             if len(self.progress.ended) and self.over.all():  # no world runs

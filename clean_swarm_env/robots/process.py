@@ -101,6 +101,7 @@ class RobotProcess:
         named, whole = decider_named(strategy, directories), mission_from(mission, tuple(directories))
         self.mission = known_alone(whole)
         self.names = tuple(f"robot_{row}" for row in range(whole.rows))
+        self._delay = whole.delivery.delay  # after which it has its own messages, too [s]
         if not 0 <= number < whole.rows:
             raise DocumentError(f"robot: expected a number from 0 to {whole.rows - 1}, got {number}")
         self.row, self.name = number, self.names[number]
@@ -141,7 +142,6 @@ class RobotProcess:
         poses.silence(self._others)
         self._thinking, self._acting = Program(self._thinking_steps), Program(self._acting_steps)
         self._ending = Program(self._ending_steps)
-        self._periods = round(self._batch.decision_period / self._batch.period)
         self._waiting = list[tuple[float, int, Emitted]]()  # stamp [s], row, and what was said
         self._heard_at = np.full((worlds.rows, 2), -np.inf)  # when the last two poses of each were heard [s]
         self._sensed: Sensed | None = None
@@ -206,9 +206,9 @@ class RobotProcess:
     def decide(self, now: float) -> tuple[str, ...]:
         """Decide for the control period of `now` [s]; return which of HANDLING begin."""
         self._turn(now)
+        self._decided_in, self._decided_at = self.worlds.world.tick, self.worlds.now
         self._listen(poses=True)
         self._forget()
-        self._decided_in, self._decided_at = self.worlds.world.tick, self.worlds.now
         self._thinking.run(self.worlds.now)
         return handled(self._task, self.row) if self._cleans and not self._why_stopped(now) else ()
 
@@ -233,9 +233,10 @@ class RobotProcess:
         """End the last control period, choose options by what was heard since, and spread the own pose at `now` [s]."""
         self._end(now)
         worlds, tick = self.worlds, self.worlds.world.tick
-        if self._chosen_in < tick // self._periods:
-            self._chosen_in = tick // self._periods
+        if self._spread_in < tick:
             self._listen(poses=False)
+        if self._chosen_in < tick // self._batch.ticks_per_step:
+            self._chosen_in = tick // self._batch.ticks_per_step
             self._choose()
         if self._spread_in < tick and not self._why_stopped(now):
             self._spread_in = tick
@@ -266,7 +267,7 @@ class RobotProcess:
         return Wheels(float(floor.drive.speed[row]), float(floor.drive.turn_rate[row]), (x, y))
 
     def _keep(self, name: str, buffer: SoBuffer, messages: Floats, tags: Ints, now: float) -> None:
-        """Keep what the robot spreads for the others, and for itself in the next control period, unless it is lost."""
+        """Keep what the robot spreads for the others, and for itself after the mission's delay, unless it stands."""
         if self._why_stopped(self._now):
             return
         for message, tag in zip(messages, tags, strict=True):
@@ -276,11 +277,13 @@ class RobotProcess:
                 self._left = [*self._left[-MOST_TOLD:], emitted]
 
     def _listen(self, poses: bool) -> None:
-        """Put what was said into buffers, and `poses` too, in the order in which it was said."""
-        waiting = sorted(self._waiting, key=itemgetter(0, 1))
-        self._waiting = [one for one in waiting if one[2].buffer == POSE_BUFFER and not poses]
-        for _, row, emitted in waiting:
-            if poses or emitted.buffer != POSE_BUFFER:
+        """Put what has arrived into buffers, and `poses` too, in the order in which it was said."""
+        waiting, self._waiting = sorted(self._waiting, key=itemgetter(0, 1)), []
+        for stamp, row, emitted in waiting:
+            under_way = row == self.row and stamp + self._delay > self._decided_at
+            if under_way or (emitted.buffer == POSE_BUFFER and not poses):
+                self._waiting.append((stamp, row, emitted))
+            else:
                 self._put(row, *emitted)
 
     def _forget(self) -> None:

@@ -16,17 +16,18 @@ from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.learning.given import GivenMission, mission_from
 from clean_swarm_env.robots.process import RobotProcess
-from clean_swarm_env.robots.sensed import HANDLING, Broadcast, SeenItem, Sensed, Wheels
+from clean_swarm_env.robots.sensed import HANDLING, SeenItem, Sensed, Wheels
 from clean_swarm_env.tasks.cleaning.garbage import LYING
 from clean_swarm_env.tasks.cleaning.task import Cleaning
 from clean_swarm_env.world.mission import MissionResult, result_of
 from clean_swarm_env.world.mission_end import RUNNING, mission_state
 from clean_swarm_env.world.task import coordinators_of
 from clean_swarm_env.world.worlds import Worlds
+from examples.robots.air import MissionAir
 from selector.configurations.library import library_of
 from selector.documents.errors import DocumentError
 from selforg.network import state as st
-from selforg.program import AFTER_DECIDING, MOVE, SENSE, STARTING, TELLING, Program
+from selforg.program import AFTER_DECIDING, MOVE, SENSE, STARTING, TELLING, Program, Step
 
 NEAR: Final = 2.0
 """Distance up to which a robot senses other bodies [m]."""
@@ -44,6 +45,7 @@ class ServedBodies:
 
     Attributes:
         worlds: the world.
+        air: what brings robots what others say.
 
     """
 
@@ -64,9 +66,8 @@ class ServedBodies:
         worlds.reset(0, start or random_start(given, seed, 0), seed)
         self._task: Any = worlds.task
         self._any_way = np.array([model.drive == "holonomic" for model in given.robots.models])[given.models]
-        handling = [step for step in self._task.steps(worlds.minds.commands) if step.stage in (SENSE, AFTER_DECIDING)]
-        self._handling = Program(lambda: [*worlds.steps_of(STARTING, STARTING), *handling])
-        self._moving = Program(lambda: worlds.steps_of(MOVE, TELLING))
+        self.air = MissionAir(worlds)
+        self._handling, self._moving = Program(self._handling_steps), Program(self._moving_steps)
 
     @property
     def running(self) -> bool:
@@ -106,6 +107,16 @@ class ServedBodies:
         drive.packed.record.commanded_at[:] = worlds.now
         self._moving.run(worlds.now)
 
+    def _handling_steps(self) -> list[Step]:
+        """Return the steps of a tick in which items are handled."""
+        worlds = self.worlds
+        own = [step for step in self._task.steps(worlds.minds.commands) if step.stage in (SENSE, AFTER_DECIDING)]
+        return [*worlds.steps_of(STARTING, STARTING), *own]
+
+    def _moving_steps(self) -> list[Step]:
+        """Return the steps of a tick from driving on."""
+        return self.worlds.steps_of(MOVE, TELLING)
+
     def _sensed(self, row: int, collisions: int) -> Sensed:
         """Return what a robot senses now."""
         physics, task, worlds = self.worlds.physics, self._task, self.worlds
@@ -129,21 +140,13 @@ class ServedBodies:
 
 
 def tick_together(bodies: ServedBodies, robots: Sequence[RobotProcess]) -> None:
-    """Run one control period of bodies and all their robots in lock step; everybody hears everybody at once."""
+    """Run one control period of bodies and all their robots in lock step, who hear what the mission delivers."""
     now = bodies.worlds.now
     for robot, sensed in zip(robots, bodies.sense(), strict=True):
         robot.sense(sensed)
-    hear_all([robot.tell(now) for robot in robots], robots)
-    hear_all([robot.say(now) for robot in robots], robots)
+    bodies.air.carry_left([robot.tell(now) for robot in robots], robots)
+    bodies.air.carry_said([robot.say(now) for robot in robots], robots)
     begun = [robot.decide(now) for robot in robots]
     for robot, sensed in zip(robots, bodies.handle(begun), strict=True):
         robot.sense(sensed)
     bodies.move([robot.act(now) for robot in robots])
-
-
-def hear_all(said: Sequence[Broadcast], robots: Sequence[RobotProcess]) -> None:
-    """Let all robots hear what all others say."""
-    for robot in robots:
-        for one in said:
-            if one.robot != robot.name:
-                robot.hear(one)

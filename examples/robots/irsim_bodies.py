@@ -26,7 +26,7 @@ from clean_swarm_env.robots.process import RobotProcess
 from clean_swarm_env.robots.sensed import Sensed, Wheels
 from examples.robots.bodies import ServedBodies, tick_together
 from selector.documents.reading import as_yaml
-from selforg.program import MOVE, TELLING, Program
+from selforg.program import MOVE, TELLING, Program, Step
 
 STEP: Final = 0.05
 """Step of IR-SIM [s]."""
@@ -52,7 +52,7 @@ class IrsimBodies(ServedBodies):
     def __init__(self, mission: MissionConfig, start: StartConfiguration | None = None, seed: int = 0) -> None:
         super().__init__(mission, start, seed)
         self._rng = np.random.default_rng(seed)
-        self._ending = Program(lambda: self.worlds.steps_of(MOVE + 1, TELLING))
+        self._ending = Program(self._ending_steps)
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "world.yaml"
             file.write_text(as_yaml(self._described(mission)), encoding="utf-8")
@@ -71,6 +71,10 @@ class IrsimBodies(ServedBodies):
             physics.headings[:] = states[:, 2]
             count_world(0, physics.positions, physics.present, collisions.packed.handle)
         self._ending.run(worlds.now)
+
+    def _ending_steps(self) -> list[Step]:
+        """Return the steps of a tick after driving."""
+        return self.worlds.steps_of(MOVE + 1, TELLING)
 
     def _sensed(self, row: int, collisions: int) -> Sensed:
         x, y = self._rng.normal(0.0, POSE_ERROR, 2)

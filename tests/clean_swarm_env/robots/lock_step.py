@@ -13,7 +13,7 @@ from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.given import mission_from
 from clean_swarm_env.learning.observation.config import usual_terms
 from clean_swarm_env.robots.process import RobotProcess
-from examples.robots.bodies import ServedBodies
+from examples.robots.bodies import ServedBodies, tick_together
 
 
 @dataclass
@@ -54,3 +54,17 @@ class Both:
 def poses_of(worlds):
     """Return the poses (N, 3) of all robots, as a new array."""
     return np.column_stack([worlds.physics.positions, worlds.physics.headings])
+
+
+def same_course(mission, strategy, seed):
+    """Fail at the first tick at which robots as processes are not, bit for bit, where they are in one process."""
+    both = Both(mission, strategy, seed)
+    bodies, robots, tick = both.bodies(), both.robots(), 0
+    while bodies.running:
+        tick_together(bodies, robots)
+        np.testing.assert_array_equal(poses_of(bodies.worlds), both.course[tick], f"tick {tick}")
+        tick += 1
+    assert tick == len(both.course)
+    if bodies.worlds.task.name == "Cleaning":  # measures of others may count what robots know, which bodies do not
+        assert bodies.result == both.result
+    assert [robot.ear.refused.total() for robot in robots] == [0] * len(robots)

@@ -1,5 +1,6 @@
 """A mission by processes of robots is that of one process; a robot without pose or link stands; it costs little."""
 
+import copy
 import re
 import time
 from importlib import import_module
@@ -12,7 +13,7 @@ from clean_swarm_env.robots.process import RobotProcess
 from clean_swarm_env.robots.sensed import Broadcast, SeenItem, Sensed
 from examples.robots.bodies import tick_together
 from selector.documents.errors import DocumentError
-from tests.clean_swarm_env.robots.lock_step import Both, poses_of
+from tests.clean_swarm_env.robots.lock_step import Both, poses_of, same_course
 
 SHORT = [
     ({"base": "table1", "time_limit": 60.0}, "MaxScore"),
@@ -41,20 +42,6 @@ WHOLE = [
 HERE = Sensed(stamp=0.0, x=2.0, y=3.0, heading=0.5)
 
 
-def same_course(mission, strategy, seed):
-    """Fail at the first tick at which robots as processes are not, bit for bit, where they are in one process."""
-    both = Both(mission, strategy, seed)
-    bodies, robots, tick = both.bodies(), both.robots(), 0
-    while bodies.running:
-        tick_together(bodies, robots)
-        np.testing.assert_array_equal(poses_of(bodies.worlds), both.course[tick], f"tick {tick}")
-        tick += 1
-    assert tick == len(both.course)
-    if bodies.worlds.task.name == "Cleaning":  # measures of others may count what robots know, which bodies do not
-        assert bodies.result == both.result
-    assert [robot.ear.refused.total() for robot in robots] == [0] * len(robots)
-
-
 @pytest.mark.parametrize(("mission", "strategy"), SHORT)
 def test_processes_in_lock_step_have_the_course_of_one_process(mission, strategy):
     same_course(mission, strategy, seed=2)
@@ -65,6 +52,18 @@ def test_processes_in_lock_step_have_the_course_of_one_process(mission, strategy
 @pytest.mark.parametrize(("mission", "strategy"), WHOLE)
 def test_whole_missions_of_processes_have_the_course_of_one_process(mission, strategy, seed):
     same_course(mission, strategy, seed)
+
+
+def test_copies_of_bodies_and_robots_go_on_as_these_do_by_themselves():
+    both = Both({"base": "table1", "time_limit": 20.0, "delivery": {"loss": 0.3, "delay": 0.4}}, "MaxScore", 2)
+    first = both.bodies(), both.robots()
+    for _ in range(30):
+        tick_together(*first)
+    second = copy.deepcopy(first)
+    for bodies, robots in (first, second):
+        for tick in range(30, len(both.course)):
+            tick_together(bodies, robots)
+            np.testing.assert_array_equal(poses_of(bodies.worlds), both.course[tick], f"tick {tick}")
 
 
 def test_a_robot_without_a_pose_stands_and_one_with_a_pose_drives():
