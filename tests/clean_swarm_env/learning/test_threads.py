@@ -18,6 +18,8 @@ from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.parts.measure import Measure
 from clean_swarm_env.world.parts.things import TaskState
 from clean_swarm_env.world.task import Task
+from selforg.mechanisms import MECHANISMS, MovementMechanism
+from selforg.mechanisms.formula import FormulaMechanism
 from selforg.plugins import PluginError
 from tests.clean_swarm_env.courses import begun, mission
 
@@ -129,6 +131,62 @@ def test_one_batch_is_stepped_in_the_thread_of_the_caller():
     joined.batches[0].rewards.of = lambda *_: threads.append(threading.current_thread())
     joined.step(np.zeros(joined.rows, dtype=np.int64))
     assert threads == [threading.main_thread()]
+
+
+class Wandering(MovementMechanism):
+    """Robots go ahead; something goes wrong where `wrong` is set."""
+
+    wrong = None
+
+    def move_into(self, now, rows, vectors, active):
+        active[rows], vectors[rows] = True, 0.3
+        if Wandering.wrong is not None:
+            Wandering.wrong(rows, vectors)
+
+
+class Uncountable(FormulaMechanism):
+    """A sum that is no number."""
+
+    @staticmethod
+    def formula(pair):
+        return np.nan
+
+
+OWN = """
+parameters: {view_distance: 2.0}
+mechanisms: {own: {type: %s, parameters: {view_distance: $view_distance}}}
+sensors: {there: {type: VectorPresent, mechanism: own}}
+behaviours:
+  Go:
+    action: {type: Move, mechanism: own}
+    preconditions: [{sensor: there, activator: {type: Boolean}}]
+    effects: [{sensor: there, change: -1.0}]
+"""
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize(
+    ("kind", "wrong", "line"),
+    [
+        (Wandering, lambda rows, vectors: vectors.fill(np.nan), "Wandering.move_into: expected finite vectors"),
+        (Wandering, lambda rows, vectors: vectors[9999], r"test_threads.py:\d+: IndexError"),
+        (Uncountable, None, "Uncountable.move_into: expected finite vectors"),
+    ],
+)
+def test_a_mechanism_of_ones_own_that_fails_is_one_line(threads, kind, wrong, line, tmp_path, monkeypatch):
+    monkeypatch.setattr(MECHANISMS, "_classes", dict(MECHANISMS._classes))
+    MECHANISMS.register(kind)
+    (tmp_path / "mechanisms").mkdir()
+    (tmp_path / "mechanisms" / "RepulsionFernandez.yaml").write_text(OWN % kind.__name__)
+    parts = batches_of(SHORT, 2 * threads, threads, directories=(tmp_path,))
+    joined = begun(Joined(parts, threads), range(2 * threads))
+    options = np.zeros(joined.rows, dtype=np.int64)
+    if wrong is not None:
+        joined.step(options)
+        monkeypatch.setattr(kind, "wrong", staticmethod(wrong))
+    with pytest.raises(PluginError, match=line) as raised:
+        _ = [joined.step(options) for _ in range(20)]
+    assert "\n" not in str(raised.value)
 
 
 class Failing(Task[TaskSettings, TaskState]):
