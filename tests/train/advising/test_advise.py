@@ -129,6 +129,38 @@ def test_what_is_held_is_judged_in_perturbed_worlds_on_the_same_starts(tmp_path,
     assert "In place of" not in out
     assert "| world | delay |" in (tmp_path / "advice/yard/table.md").read_text()
     assert "advice.robust: expected False, got True" in refused("advise", "yard.yaml", *QUICK, "--resume")
+    workers = ("--missions", 100, "--workers", 2, "--output", "by-two")
+    done("advise", "yard.yaml", "--robust", *workers)
+    assert json.loads((tmp_path / "by-two/summary.json").read_text())["robust"] == said["robust"]
+
+
+def test_robust_advice_goes_on_after_ctrl_c_in_a_perturbed_world(tmp_path, monkeypatch):
+    few(monkeypatch)
+    monkeypatch.setattr(perturbed, "WORLDS", 3)
+    monkeypatch.setattr(perturbed, "STARTS", 4)
+    done("advise", "yard.yaml", "--robust", *QUICK, "--output", "whole")
+    each = TrialTask.each
+
+    def ends(task):
+        if ", world 2" in task.condition:
+            raise KeyboardInterrupt
+        yield from each(task)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(TrialTask, "each", ends)
+        code, _, err = command("advise", "yard.yaml", "--robust", *QUICK)
+    assert code == 130
+    kept = (tmp_path / "advice/yard/runs.jsonl").read_text().splitlines()
+    assert any(", world 1" in line for line in kept)
+    assert not any(", world 2" in line for line in kept)
+    assert f": {len(kept)} of " in err
+    line = err.splitlines()[-1].split()
+    assert line[:3] == ["clean-swarm", "advise", "yard.yaml"]
+    assert {"--robust", "--resume"} <= set(line)
+    done(*line[1:])
+    assert set(kept) < set((tmp_path / "advice/yard/runs.jsonl").read_text().splitlines())
+    one, two = (json.loads((tmp_path / path / "summary.json").read_text()) for path in ("whole", "advice/yard"))
+    assert (one["held"], one["robust"]) == (two["held"], two["robust"])
 
 
 def test_a_perturbed_world_has_errors_beside_those_of_the_mission():
