@@ -48,13 +48,6 @@ def sizes(results: Any) -> list[str]:
     return lines
 
 
-def speed(results: Any) -> list[str]:
-    """Return the table of simulated seconds."""
-    stack = results["stack"]
-    lines = [f"| simulated seconds for a CPU second ({stack['machine']['cpu']}) | |", "|---|---|"]
-    return [*lines, *(f"| {name} | {rate:.0f} |" for name, rate in stack["simulated seconds per CPU second"].items())]
-
-
 OURS = {
     "tick": "ours, `Worlds.tick`",
     "Batch": "ours, `Batch.step`, a decision every five ticks",
@@ -140,7 +133,6 @@ def main() -> None:
     if "peers" in results:
         lines += ["", "## Beside peers: world-ticks per CPU second", "", *peers(results)]
     record("benchmarks/measured", "\n".join(lines))
-    record("results/speed", "\n".join(speed(results)))
 
 
 if __name__ == "__main__":
