@@ -12,7 +12,7 @@ from selector.documents.errors import DocumentError, shown, validated, within
 from selector.documents.find import files_of
 from selector.documents.parameters import check_parameters_used, declared_parameters, resolved
 from selector.documents.reading import read_mapping
-from selector.knowledge import Knowledge, Option
+from selector.knowledge import Option
 from selforg.registry import unknown
 
 
@@ -67,16 +67,10 @@ class Library:
         self.configuration(key)
         return dict(declared_parameters(self._documents[key]))
 
-    def of_option(self, option: Option) -> ConfigurationSpec:
-        """Return the configuration of an option with the parameters of the option."""
-        return self.configuration(option.configuration, option.parameters)
-
-    def check(self, knowledge: Knowledge) -> None:
-        """Raise DocumentError, which names file, goal and option, for an option of `knowledge` that cannot be built."""
-        for goal in knowledge.goals:
-            for option in knowledge.options(goal):
-                with within(f"{knowledge.source}: goals.{goal}.{option.name}"):
-                    self.of_option(option)
+    def of_option(self, option: Option, where: str) -> ConfigurationSpec:
+        """Return the configuration of an option with the parameters of the option; `where` begins errors."""
+        with within(where):
+            return self.configuration(option.configuration, option.parameters)
 
 
 @cache

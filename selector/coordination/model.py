@@ -34,7 +34,10 @@ class CoordinatorModel:
         self.goal = goal
         self.problem = Problem.of(knowledge, goal)
         self.options, self.scores = self.problem.options, self.problem.scores
-        self.configurations = tuple(library.of_option(option) for option in knowledge.options(goal))
+        self.configurations = tuple(
+            library.of_option(option, f"{knowledge.source}: goals.{goal}.{option.name}")
+            for option in knowledge.options(goal)
+        )
         sensors: dict[str, Sensor] = {}
         for name, configuration in zip(self.options, self.configurations, strict=True):
             for sensor in configuration.network_sensors():

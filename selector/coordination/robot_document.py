@@ -201,7 +201,7 @@ class _Nesting:
         if isinstance(spec, InnerNetworkSpec):
             model = RunningConfiguration(spec, trial_host(spec, self.facts), where).network.model
             with within(where):
-                return RobotNetwork(model, held, frozenset(spec.own_sensors), spec=spec)
+                return RobotNetwork(model, held, spec=spec)
         with within(where):
             model = spec.build(self.coordinators, self.settings)
             sensors = spec.sensors_of(self.facts)

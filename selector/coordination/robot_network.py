@@ -9,6 +9,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal, NamedTuple, Self, TypeVar
 
+import numpy as np
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from selector.configurations.configuration import ActingBehaviourSpec, ActingNetworkSpec, must_know
@@ -18,9 +19,10 @@ from selector.documents.fields import Closed, Name
 from selector.vocabulary.components import ActionSpecs, SensorSpec
 from selector.vocabulary.conditions import AnyCondition, BehaviourSpec, GoalSpec
 from selector.vocabulary.settings import SettingsSpec
+from selforg.arrays import Ints
 from selforg.components import FactRule
 from selforg.network.model.behaviours import Behaviour, Goal, NetworkSettings, Sensor
-from selforg.network.model.model import NestedModel, NetworkModel
+from selforg.network.model.model import NetworkModel
 from selforg.registry import unknown
 
 Coordinators = Mapping[str, CoordinatorModel]
@@ -148,25 +150,53 @@ class LeftOut(NamedTuple):
 
 
 @dataclass(frozen=True)
-class RobotNetwork(NestedModel):
+class RobotNetwork:
     """A network whose inner networks sense and act through components.
 
     Attributes:
-        inner: the networks inside, by behaviour.
+        model: the network itself.
+        inner: the network that each behaviour holds, by its name. Its sensors read the outer sensors of the same name,
+            except those that are components of its own.
         during: goals of coordinators that steer only while certain behaviours run, and these behaviours.
         left_out: of a network for robots of several documents, what those of each do not have.
         spec: components of a network inside; None for the root, whose behaviours the host of the robot carries out.
         facts: of the root: what robots tell each other, by name.
         sensors: of the root: its sensors of facts, by name.
 
+    Raises:
+        ValueError: a holder that is not a behaviour, an inner sensor that the outer network lacks or knows as another
+            kind.
+
     """
 
+    model: NetworkModel
     inner: Mapping[str, RobotNetwork] = field(default_factory=dict)
     during: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     spec: InnerNetworkSpec | None = None
     left_out: tuple[LeftOut, ...] = ()
     facts: Mapping[str, FactRule] = field(default_factory=dict)
     sensors: Mapping[str, SensorSpec] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for holder, nested in self.inner.items():
+            where = f"network in behaviour {holder!r}"
+            if holder not in self.model.behaviour_index:
+                raise ValueError(f"{where}: no such behaviour (known: {', '.join(self.model.behaviour_index)})")
+            for sensor in nested.shared:
+                outer = self.model.sensors[self.model.sensor(sensor.name, where)]
+                if outer.kind != sensor.kind:
+                    raise ValueError(f"{where}: sensor {sensor.name!r} is a {sensor.kind}, outside a {outer.kind}")
+
+    @property
+    def shared(self) -> tuple[Sensor, ...]:
+        """The sensors of a network inside another one that it shares with that."""
+        own = self.spec.own_sensors if self.spec else ()
+        return tuple(sensor for sensor in self.model.sensors if sensor.name not in own)
+
+    def shared_columns(self, outer: NetworkModel) -> tuple[Ints, Ints]:
+        """Return the columns outside and inside (C,) of the sensors that it shares with the network around it."""
+        outside, inside = ([m.sensor_index[sensor.name] for sensor in self.shared] for m in (outer, self.model))
+        return np.array(outside, dtype=np.int64), np.array(inside, dtype=np.int64)
 
     def all_specs(self) -> Iterator[InnerNetworkSpec]:
         """Yield the documents of all networks inside, at any depth."""

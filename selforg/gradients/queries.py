@@ -4,7 +4,7 @@ A query evaporates first, and answers with the gradients in *view*: distance <= 
 the answer is an empty range of the table, an empty list, or a mask that is False.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, NamedTuple, TypeAlias
 
@@ -67,6 +67,15 @@ class PairRoom:
         poses = buffer.shared and (not names or buffer.poses.channel in names)
         codes = [known.code(name) for name in names or known.names() if name in known]
         return np.array([int(poses), *codes], dtype=np.int64)
+
+    def look(
+        self, kernel: Callable[..., int], now: float, rows: Ints, channels: tuple[str, ...], *records: Packed[Any]
+    ) -> None:
+        """Call a kernel for `rows` (R,) that look at `channels`, and for those left where one sees too much for it."""
+        self.sight(now, channels)
+        while left := kernel(now, rows, *(packed.handle for packed in records)):
+            rows = rows[-left:]
+            self.double()
 
     def double(self) -> Handle[Sight]:
         """Return the last sight with room for twice as many pairs; those that are there stay."""
@@ -179,11 +188,7 @@ class Queries:
         records: tuple[Packed[Any], ...] = (chosen, room.packed, buffer.poses.packed, buffer.table.packed)
 
         def go_on(now: float, rows: Ints, left: int = 0) -> None:
-            rows = rows[-left:]
-            room.sight(now, channels)
-            while left := choose_goals(now, rows, *(packed.handle for packed in records)):
-                rows = rows[-left:]
-                room.double()
+            room.look(choose_goals, now, rows[-left:], channels, *records)
 
         in_python = buffer.settings.whole_seconds  # all has to evaporate before each look
         return Step(stage, go_on, rows) if in_python else Step(stage, go_on, rows, choose_goals, records)

@@ -3,6 +3,7 @@ import re
 import pytest
 
 from selector.configurations.library import Library
+from selector.coordination.model import CoordinatorModel
 from selector.documents.errors import DocumentError
 from selector.documents.find import files_of
 from selector.knowledge import Option, knowledge_from, learned_from, library_options, load_knowledge, unknown_option
@@ -76,7 +77,7 @@ def test_mistakes_name_file_and_key_in_one_line(content, message):
 
 def test_cleaning_knowledge_holds_the_papers_options():
     knowledge = load_knowledge("cleaning")
-    Library().check(knowledge)
+    CoordinatorModel("AvoidCollision", knowledge, Library())
     assert knowledge.options("AvoidCollision") == (
         Option(
             configuration="RepulsionFernandez",
@@ -102,7 +103,7 @@ def test_cleaning_knowledge_holds_the_papers_options():
 def test_knowledge_that_the_library_cannot_build_names_goal_and_option():
     option = {"configuration": "RepulsionGradient", "name": "near", "score": 1.0, "parameters": {"view": 1.0}}
     with pytest.raises(DocumentError, match=r"k\.yaml: goals\.G\.near: .*RepulsionGradient\.yaml: .*parameter 'view'"):
-        Library().check(knowledge_from({"goals": {"G": [option]}}, "k.yaml"))
+        CoordinatorModel("G", knowledge_from({"goals": {"G": [option]}}, "k.yaml"), Library())
 
 
 @pytest.mark.parametrize(

@@ -119,7 +119,7 @@ def variants_of(held: Mapping[str, Option], directories: tuple[Path, ...]) -> di
                 parameters={**option.parameters, name: changed},
             )
             try:
-                library.of_option(variant)
+                library.configuration(variant.configuration, variant.parameters)
             except ValueError:
                 continue
             if changed != value and called not in taken:

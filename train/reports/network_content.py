@@ -12,6 +12,7 @@ from typing import Any, Literal, NamedTuple, get_args
 from selector.configurations.configuration import ConfigurationSpec
 from selector.coordination.model import CoordinatorModel
 from selector.coordination.robot_document import load_network
+from selector.coordination.robot_network import RobotNetwork
 from selector.documents.errors import shown, validated
 from selector.documents.parameters import resolved
 from selector.documents.reading import read_mapping
@@ -19,7 +20,6 @@ from selector.knowledge import Knowledge, Option
 from selforg.network.model.activators import Activator, Boolean, Equal, Greedy, Linear, Threshold
 from selforg.network.model.behaviours import Behaviour, Goal, Interface, Sensor
 from selforg.network.model.conditions import Condition, Conjunction, Disjunction, Negation, Optional, Tree, leaves
-from selforg.network.model.model import NestedModel
 
 MINUS = "\N{MINUS SIGN}"
 
@@ -148,7 +148,7 @@ def configuration_panels(path: Path) -> list[NetworkPanel]:
     return [panel]
 
 
-def _nested_panels(nested: NestedModel, title: str, options: Mapping[str, Sequence[str]]) -> Iterator[NetworkPanel]:
+def _nested_panels(nested: RobotNetwork, title: str, options: Mapping[str, Sequence[str]]) -> Iterator[NetworkPanel]:
     """Yield the panels of a network; `options`: coordinator -> its options in words."""
     model, panel = nested.model, NetworkPanel(title)
     own = _sensors_of([face for b in model.behaviours for tag, face in b.interfaces if tag < 0])

@@ -189,15 +189,10 @@ class NeighbourDecision(DecisionMechanism):
         )
 
     def _decide(self, now: float, rows: Ints, values: Floats, states: Ints, decided: Flags) -> None:
-        kernel, poses, store = (
-            decide_rows.of(type(self).term),
-            self.poses.packed.handle,
-            self.buffer.table.packed.handle,
-        )
-        room, left, sight = self._deciding.record, rows, self._room.sight(now, self.channels)
+        room, records = self._deciding.record, (self._room.packed, self._deciding, self.poses.packed)
         room.states[rows] = states
-        while (done := kernel(now, left, sight, self._deciding.handle, poses, store)) < len(left):
-            left, sight = left[done:], self._room.double()
+        kernel = decide_rows.of(type(self).term)
+        self._room.look(kernel, now, rows, self.channels, *records, self.buffer.table.packed)
         values[:], states[:], decided[:] = room.values[rows], room.states[rows], room.decided[rows]
 
 
@@ -212,7 +207,7 @@ def decide_rows(
 ) -> int:
     """Write value, state and whether there is a decision for `rows` (R,) into those rows of `deciding`.
 
-    Returns how many rows are done, fewer than R if the room for pairs is too short for the next one.
+    Returns how many rows are left, the last ones, if the room for pairs is too short for the next one.
     """
     d, known, pairs = open_decision_rule(deciding), open_poses(poses).rows, open_sight(sight).pairs
     margins = (d.view_distance, d.view_distance, d.view_distance)
@@ -224,6 +219,6 @@ def decide_rows(
         if sees:
             found = gather(look_all_around(row, now, d.sight_bits, margins, 0, sight, poses), sight, poses, store)
         if found > len(pairs):
-            return index
+            return len(rows) - index
         decided(row, found, sight, deciding, store)
-    return len(rows)
+    return 0

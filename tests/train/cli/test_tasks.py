@@ -10,6 +10,7 @@ from clean_swarm_env.config.task_names import task_names
 from clean_swarm_env.config.tasks import find_task
 from clean_swarm_env.recording.reader import RecordedMission, events_of
 from selector.configurations.library import Library
+from selector.coordination.model import coordinator_models
 from selector.knowledge import load_knowledge
 from tests.paths import ROOT
 from tests.train.commands import apart, done, refused
@@ -107,7 +108,7 @@ def test_a_task_runs_by_another_expert_knowledge():
 
 
 def test_every_option_of_the_original_can_be_built_and_serves_a_goal_with_a_task():
-    Library().check(ORIGINAL)
+    coordinator_models(ORIGINAL.goals, ORIGINAL, Library())
     assert set(ORIGINAL.goals) == set(load_knowledge("library").goals) == set(WITH_BASELINE)
 
 
