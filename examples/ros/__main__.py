@@ -13,6 +13,7 @@ from rclpy.executors import SingleThreadedExecutor
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.learning.given import mission_from
 from clean_swarm_env.robots.process import RobotProcess
+from clean_swarm_env.robots.sensed import Sensed
 from examples.robots.bodies import ServedBodies
 from examples.ros.robot import LockStep, RobotNode
 from examples.ros.wire import MissionClock, stay_on_this_machine
@@ -37,6 +38,7 @@ def run_robot(given: argparse.Namespace) -> int:
     number = int(given.name.rpartition("_")[2])
     start = random_start(mission, given.seed, 0)
     timeout = given.timeout * given.speed
+    warm_up(RobotProcess(mission, number, given.strategy, start=start))
     robot = RobotProcess(mission, number, given.strategy, start=start, seed=given.seed, timeout=timeout)
     executor = SingleThreadedExecutor()
     faults = given.loss, given.twice, given.delay
@@ -51,10 +53,20 @@ def run_robot(given: argparse.Namespace) -> int:
     return 0
 
 
+def warm_up(robot: RobotProcess) -> None:
+    """Load the compiled code of a robot that is not used: the first steps of a process take seconds."""
+    for tick in range(12):
+        now = 0.2 * tick
+        robot.sense(Sensed(stamp=now, x=1.0, y=1.0, heading=0.0))
+        robot.say(now)
+        robot.step(now)
+
+
 def follow(node: RobotNode, executor: SingleThreadedExecutor, rate: float) -> None:
     """Step a robot `rate` times a second until no pose has come for PATIENCE; the wheels stand long before that."""
     due, patience = time.monotonic(), PATIENCE * node.clock.speed
     while node.link_age < (patience if node.ticks else WAIT * node.clock.speed):
+        executor.spin_once(0.0)  # also where a step took longer than its time
         while time.monotonic() < due:
             executor.spin_once(max(due - time.monotonic(), 0.0))
         due = max(due + 1.0 / rate, time.monotonic())

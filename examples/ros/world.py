@@ -29,7 +29,7 @@ class WorldNode(Node):
 
     Attributes:
         course: poses (N, 3) [m, m, rad] after each control period.
-        late: control periods of single robots for which no new command had come.
+        late: control periods of single robots for which no new command had come, from the first one on.
         ticks: control periods so far.
 
     """
@@ -81,7 +81,7 @@ class WorldNode(Node):
         bodies.handle([self._begun[name] for name in self.names])
         self._begun = dict.fromkeys(self.names, ())
         lost = [now - self._came[name] > timeout for name, timeout in zip(self.names, self._timeouts, strict=True)]
-        self.late += sum(0.0 < self._came[name] < now - bodies.worlds.period for name in self.names)
+        self.late += sum(self._came[name] < now - bodies.worlds.period for name in self.names)
         bodies.move([STANDING if gone else self._wheels[name] for name, gone in zip(self.names, lost, strict=True)])
         self.ticks += 1
         self.watch()

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from importlib.util import find_spec
+from shutil import which
 
 import numpy as np
 import pytest
@@ -18,7 +19,8 @@ pytestmark = [pytest.mark.long, pytest.mark.extra]
 MISSING = [name for name in ("rclpy", "nav_msgs", "rosbags") if find_spec(name) is None]
 if MISSING:
     pytest.skip(f"needs {', '.join(MISSING)}: examples/ros/requirements.txt", allow_module_level=True)
-ENVIRONMENT = os.environ | {"PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1", "ROS_DOMAIN_ID": str(os.getpid() % 100)}
+PATHS = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
+ENVIRONMENT = os.environ | {"PYTHONPATH": PATHS, "OMP_NUM_THREADS": "1", "ROS_DOMAIN_ID": str(os.getpid() % 100)}
 
 
 def start(*words):
@@ -66,6 +68,38 @@ def test_lock_step_over_ros_has_the_course_of_one_process_tick_by_tick(mission, 
     with Swarm(robots, *words) as swarm:
         assert swarm.result()["ticks"] == len(both.course)
     np.testing.assert_array_equal(np.load(tmp_path / "course.npy"), both.course)
+
+
+def test_a_swarm_without_a_network_has_the_course_of_one_process_tick_by_tick(tmp_path):
+    both, course = Both({"base": "table1", "time_limit": 20.0}, "MaxScore", 1), tmp_path / "course.npy"
+    alone = ["unshare", "--net", "--uts", "--map-root-user"]
+    if not which("unshare") or subprocess.run([*alone, "ip", "link", "set", "lo", "up"], check=False).returncode:
+        pytest.skip("needs unshare and ip, and a system that lets users have namespaces")
+    swarm = f"{sys.executable} -m examples.ros swarm table1 --time-limit 20 --lock-step --course {course}"
+    whole = [*alone, "sh", "-c", f"ip link set lo up && hostname alone && {swarm}"]
+    said = subprocess.run(whole, cwd=ROOT, env=ENVIRONMENT, capture_output=True, text=True, timeout=300, check=True)
+    assert "| ticks | 100 |" in said.stdout
+    np.testing.assert_array_equal(np.load(course), both.course)
+
+
+def test_the_launch_file_starts_all_robots():
+    pytest.importorskip("launch", reason="needs launch: that of ROS 2, or github.com/ros2/launch as it is")
+    world = start("world", "table1", "--time-limit", 20)
+    run = "from launch import *; from launch.actions import *; s = LaunchService(); s.include_launch_description("
+    run += "LaunchDescription([IncludeLaunchDescription('examples/ros/robots.launch.py', launch_arguments="
+    run += "[('mission', 'table1'), ('scale', '1.0'), ('strategy', 'MaxScore')])])); raise SystemExit(s.run())"
+    launched = subprocess.Popen(
+        [sys.executable, "-c", run], cwd=ROOT, env=ENVIRONMENT, stdout=subprocess.PIPE, text=True
+    )
+    try:
+        assert json.loads(world.communicate(timeout=300)[0].splitlines()[-1])["ticks"] == 100
+        said = launched.communicate(timeout=60)[0]
+    finally:
+        world.kill()
+        launched.send_signal(signal.SIGINT)
+    periods = [json.loads(line[line.index("{") :])["periods"] for line in said.splitlines() if '{"name"' in line]
+    assert len(periods) == 5
+    assert min(periods) > 70
 
 
 def test_five_robots_keep_the_time_of_the_clock():
