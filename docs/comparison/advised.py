@@ -115,10 +115,10 @@ def repeated(mission: str, minutes: float, seeds: range, known: dict[str, Any]) 
 
 
 def unjudged(said: dict[str, Any]) -> bool:
-    """Return whether an advice met a gain, and did not call a selector worth it since it had not tried all options."""
+    """Return whether an advice said that it does not know; earlier ones met a gain then, and did not call it one."""
     hindsight = said["hindsight"]
     gains = hindsight is not None and hindsight["ratio"] <= 1.0 - WORTH_LEARNING and hindsight["p"] < ALPHA
-    return bool(said["better"] or gains) and not said["worth_it"]
+    return said["worth_it"] is None or (bool(said["better"] or gains) and not said["worth_it"])
 
 
 def tables(kept: dict[str, Any]) -> dict[str, str]:
@@ -127,7 +127,7 @@ def tables(kept: dict[str, Any]) -> dict[str, str]:
         "found": [
             "| mission | pairs | starts | best of all | experts | within 1.05 | worst | above the experts | CPU-min |"
         ],
-        "worth": ["| mission | runs | worth it | not | not known | starts of the last round | CPU-min |"],
+        "worth": ["| mission | runs | worth it | not shown | not known | starts of the last round | CPU-min |"],
     }
     for lines in found.values():
         lines.append("|---" * (lines[0].count("|") - 1) + "|")
@@ -147,7 +147,7 @@ def tables(kept: dict[str, Any]) -> dict[str, str]:
             )
         if told:
             starts, unknown = [one["starts"] for one in told], sum(map(unjudged, told))
-            worth = sum(one["worth_it"] for one in told)
+            worth = sum(bool(one["worth_it"]) for one in told)
             span = f"{min(starts)} to {max(starts)}" if min(starts) < max(starts) else f"{starts[0]}"
             others = f"{len(told) - worth - unknown} | {unknown}"
             found["worth"].append(f"| {mission} | {len(told)} | {worth} | {others} | {span} | {minutes} |")

@@ -241,9 +241,10 @@ class Advising(Evaluation):
         return perturbed.Robustness(winner, costs, usual)
 
     def expected(self, done: Done) -> int:
-        """Return how many missions the budget lasts for, at the mean price of those so far."""
+        """Return how many missions the budget lasts for, at the mean price of those so far, and those beside it."""
         spent = sum(map(self.price, done.values()))
-        return round(len(done) * self.budget / spent) if spent > 0.0 else 0
+        beside = len(self.worlds) * perturbed.STARTS * perturbed.ARMS
+        return round(len(done) * self.budget / spent) + beside if spent > 0.0 else 0
 
     def leading(self, costs: Mapping[str, Sequence[float]]) -> str:
         """Return who leads, in words."""

@@ -24,6 +24,8 @@ from train.analysis.intervals import Ratio
 
 WORLDS, STARTS = 10, 10
 """Perturbed worlds, and starts in each."""
+ARMS = 8
+"""Strategies of the last round, coarsely, before they are known."""
 HOLDS_UP_TO = 1.1
 """Times the cost of the best of a world up to which a choice holds there."""
 MOST_DELAY = 2

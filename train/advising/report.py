@@ -1,13 +1,15 @@
 """Advice in words: what to hold, what it saves beside what one would do else, and whether changing it on the way pays.
 
-Only the last round makes claims, on starts that chose nothing. Its ratios are of mean excess costs; whether choosers
-beat the best combination is told by sign flips, corrected by Holm (`train.analysis`).
+Only the last round makes claims, on starts that chose nothing. Its ratios are of mean excess costs. Whether something
+gains is told by sign flips, corrected by Holm for all that might (`train.analysis`); that nothing does, by the best end
+of every interval. Between them the verdict is that it is not known.
 
 Shapes: K starts of the last round, V worlds of each.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -25,22 +27,36 @@ from selforg.arrays import Floats
 from train.advising import perturbed
 from train.advising.advice import Advising
 from train.advising.rounds import broke_off, seconds_of
-from train.advising.search import JAMMED, AdviceSearch, SearchResult, arm_of, held_by, never_avoiding
+from train.advising.search import (
+    BUDGET_SHARES,
+    JAMMED,
+    LAST_MOST,
+    AdviceSearch,
+    SearchResult,
+    arm_of,
+    held_by,
+    never_avoiding,
+)
 from train.analysis.family_report import EXCESS, FamilyReport, ratio_of
 from train.analysis.flips import ALPHA
 from train.analysis.intervals import TOLD, Estimate, Ratio, about_number, corrected_ps
 from train.analysis.runs import Runs
-from train.analysis.strategy_comparison import cross_fitted
+from train.analysis.strategy_comparison import BestFixed, cross_fitted
 from train.analysis.verdict import RANDOM, amount, interval_words, listed, most_left, ratio_words
 from train.evaluation.evaluation import Done
 from train.reports.family_tables import family_tables
 from train.reports.figures import draw_family
 from train.reports.text_table import EMPTY_CELL, Grid, Publication
+from train.running.runs import RunRecord
 
+HINDSIGHTS = ("hindsight", "by_kind")
+"""Properties of an advice: what would be gained by knowing what is best."""
+TENTH = 1.0 - math.exp(-TOLD)
+"""Gain below which it is not worth it to train a selector [-]: a difference of a tenth, as in `TOLD`."""
 WORTH_LEARNING = 0.05
 """Gain of the best combination of each start, in hindsight, from which on training a selector may be worth it [-]."""
-FEW_MORE = 1.25
-"""Times the starts up to which it is not said that more of them would tell a tenth."""
+TWICE = 2.0
+"""Times the starts that are asked for at least where they have told nothing."""
 NONE_FITS = "No rule or policy that ships fits this mission."
 OVER = 1.5
 """Times the time that was given, from which on the advice says how long it took."""
@@ -90,15 +106,20 @@ class Advice:
 
     @cached_property
     def hindsight(self) -> Ratio | None:
-        """The ratio of the best combination of each start, chosen in one world and judged in another, to the best."""
+        """The ratio of the best combination of each start to the best of all, of the same combinations.
+
+        The former is chosen in one world of a start and judged in another, the latter on the other half of the starts.
+        """
         finalists = [arm for arm in self.found.finalists if arm in self.costs]
         if len(finalists) < 2:
             return None
         names = [[scenario_name("test", k, world) for world in range(2)] for k in range(self.found.starts)]
-        both = np.array(
-            [[[self.search.done[name, arm].result.excess_s for name in own] for own in names] for arm in finalists]
-        )
-        return Ratio.of(cross_fitted(both)[None, :, None], both[:1].mean(axis=2, keepdims=True))
+        both = {
+            arm: np.array([[[self.search.done[name, arm].result.excess_s for name in own] for own in names]])
+            for arm in finalists
+        }
+        best = BestFixed.of(both, finalists).judged(both)
+        return Ratio.of(cross_fitted(np.concatenate([*both.values()]))[None, :, None], best.mean(axis=2, keepdims=True))
 
     @cached_property
     def kinds(self) -> list[str]:
@@ -124,19 +145,39 @@ class Advice:
         return Ratio.of(np.array(own), self.costs[self.found.winner][0, :, 0])
 
     @cached_property
+    def claims(self) -> dict[str, tuple[Ratio, float | None]]:
+        """What might gain, and its p-value corrected for all of them: rules and policies that ship, and what is best.
+
+        The latter two by the names of their properties: of each start, and of each kind.
+        """
+        found = {arm: self.ratio(arm) for arm in self.found.choosers if arm in self.costs}
+        found |= {name: one for name in HINDSIGHTS if (one := getattr(self, name)) is not None}
+        return dict(zip(found, zip(found.values(), corrected_ps(list(found.values())), strict=True), strict=True))
+
+    @property
     def better(self) -> list[str]:
         """Rules and policies that are shown to beat the best combination, the best first."""
-        names = [arm for arm in self.found.choosers if arm in self.costs]
-        ratios = [self.ratio(arm) for arm in names]
-        told = zip(names, ratios, corrected_ps(ratios) if ratios else [], strict=True)
-        return [arm for _, arm in sorted((one.ratio or 0.0, arm) for arm, one, p in told if shown_cheaper(one, p))]
+        shown = [arm for arm, told in self.claims.items() if arm not in HINDSIGHTS and shown_cheaper(*told)]
+        return sorted(shown, key=lambda arm: self.claims[arm][0].ratio or 0.0)
 
     @property
     def gains(self) -> bool:
         """Whether the best combination of each start, or of each kind, is shown to gain something worth while."""
-        ratios = [one for one in (self.hindsight, self.by_kind) if one is not None]
-        told = zip(ratios, corrected_ps(ratios) if ratios else [], strict=True)
-        return any((one.ratio or 1.0) <= 1.0 - WORTH_LEARNING and p is not None and p < ALPHA for one, p in told)
+        told = [self.claims[name] for name in HINDSIGHTS if name in self.claims]
+        return any(shown_cheaper(one, p) and (one.ratio or 1.0) <= 1.0 - WORTH_LEARNING for one, p in told)
+
+    @property
+    def most(self) -> float:
+        """What may be gained at most, by the best ends of all intervals [-]; all where nothing was compared."""
+        ends = [one.ci95[0] if one.ci95 else 0.0 for one, _ in self.claims.values()]
+        return 1.0 - min(ends, default=0.0)
+
+    @property
+    def worth_it(self) -> bool | None:
+        """Whether changing the choice on the way pays; None if that is not known."""
+        if self.better or self.gains:
+            return None if self.unjudged else True
+        return False if self.most < TENTH else None
 
     @property
     def unjudged(self) -> str:
@@ -188,7 +229,8 @@ class Advice:
         starts = f"missions from its {given} start{'s' * (given > 1)}" if given else "starts"
         each = "an item" if items_keep_coming(evaluation.mission) else "a mission"
         cost = f"{amount(mean.value)} s {each}{interval_words(mean.ci95, amount)} on {found.starts} fresh {starts}"
-        begin = f"{evaluation.family.name}: hold {self._words(found.winner)}: {cost}, the best of {of}{variants}."
+        held = f"{evaluation.family.name}: hold {self._words(found.winner)}"
+        begin = f"{held}: it costs {cost}, the least of {of}{variants}."
         if not self.runs.unfinished:
             return begin
         lost, most = int(self.runs.unfinished[found.winner].sum()), most_left(self.runs.unfinished[found.winner])
@@ -271,18 +313,26 @@ class Advice:
     @property
     def _worth(self) -> str:
         learn = "`--learn` trains one for this mission and judges it the same way"
-        if (self.better or self.gains) and (why := self.unjudged):
-            return f"Whether a selector is worth it here is not known: {why}; --minutes gives more time."
+        if self.worth_it is None:
+            gained = self.better or self.gains
+            why = f"{self.unjudged}; --minutes gives more time" if gained else f"{self._more_starts}. {learn}"
+            return f"Whether a selector is worth it here is not known at this budget: {why}."
+        if not self.worth_it:
+            return f"So a selector is not worth it here: what was tried gains {max(self.most, 0.0):.0%} at most."
         if self.better:
             return f"So a selector is worth it here: {self.better[0]} is shown to be better than the best that is held."
-        if self.gains:
-            return f"So a selector may be worth it here, though none that ships is shown to be; {learn}."
-        ratios = [*(self.ratio(arm) for arm in self.found.choosers if arm in self.costs), self.hindsight]
-        counts = [one.tests[0].needed(TOLD) for one in ratios if one is not None and one.tests[0].spread > 0.0]
-        count = max((count for count in counts if count is not None), default=0.0)
-        told = f"; a difference of a tenth would be told on about {about_number(count)} starts (more --minutes)"
-        more = told if count > FEW_MORE * self.found.starts else ""
-        return f"So a learned selector is not shown to be worth it here{more}. {learn}."
+        return f"So a selector may be worth it here, though none that ships is shown to be; {learn}."
+
+    @property
+    def _more_starts(self) -> str:
+        """How many starts would tell a gain of a tenth, and the budget with so many."""
+        search, starts = self.evaluation, self.found.starts
+        counts = [one.tests[0].needed(TOLD) or 0 for one, _ in self.claims.values() if one.tests[0].spread > 0.0]
+        count = about_number(min(max([TWICE * starts, *counts]), LAST_MOST))
+        last = sum(search.price(run) for run in search_runs(self.search.done) if run.scenario.startswith("test"))
+        budget = count / starts * last / (1.0 - sum(BUDGET_SHARES.values()))
+        more = f"--missions {budget:.0f}" if search.missions else f"--minutes {math.ceil(budget / 60.0)}"
+        return f"a gain of a tenth would be told on about {count} starts in place of {starts}, with {more}"
 
     @property
     def _remarks(self) -> list[str]:
@@ -296,16 +346,12 @@ class Advice:
         for name in self.found.choosers:
             if new := untrained(name, decider_named(name, own), self.runs.missions, own):
                 told.append(f"{new}.")
-        runs = self.search.done.values()
-        spent = sum(self.evaluation.price(run) for run in runs if perturbed.IN_WORLD not in run.condition)
-        if spent > OVER * budget:
-            unit, word = (1.0, "missions") if self.evaluation.missions else (60.0, "min of processors")
-            took = f"{amount(spent / unit)} {word} in place of {amount(budget / unit)}"
-            told.append(f"It took {took}: a race goes on until few are left.")
-        if self.search.left_out:
-            told.append(
-                f"{len(self.search.left_out)} options were not tried for lack of time: --minutes or --missions."
-            )
+        spent = sum(map(self.evaluation.price, search_runs(self.search.done)))
+        unit, word = (1.0, "missions") if self.evaluation.missions else (60.0, "min of processors")
+        untried = f"{len(self.search.left_out)} options for lack of time, " if self.search.left_out else ""
+        told.append(f"Not tried: {untried}other numbers of what lost, sums of mechanisms.")
+        over = f" It took {amount(spent / unit)}: a race goes on until few are left." if spent > OVER * budget else ""
+        told.append(f"Budget: {budget / unit:g} {word}, seed {self.evaluation.request.seed}.{over}")
         return told
 
     def _words(self, arm: str) -> str:
@@ -329,7 +375,7 @@ class Advice:
             )
             for done in self.search.rounds
         ]
-        grids = [*family_tables(report), *self._world_grids, *races]
+        grids = [*family_tables(report, self.found.winner), *self._world_grids, *races]
         return Publication(evaluation.family.name, about, self.sentences, grids, self.content, draw_family(report))
 
     @property
@@ -347,10 +393,15 @@ class Advice:
             "robust": None if self.robustness is None else self.robustness.content,
             "stopped": dict(self.stopped),
             "better": self.better,
-            "worth_it": bool(self.better or self.gains) and not self.unjudged,
+            "worth_it": self.worth_it,
             "missions": len(self.search.done),
             "cpu_s": round(sum(map(seconds_of, self.search.done.values())), 1),
         }
+
+
+def search_runs(done: Done) -> list[RunRecord]:
+    """Return the missions that the budget is for."""
+    return [run for run in done.values() if perturbed.IN_WORLD not in run.condition]
 
 
 def shown_cheaper(ratio: Ratio, p: float | None) -> bool:
@@ -369,4 +420,4 @@ def gain(ratio: Ratio) -> str:
     """Return what a ratio saves, with its interval, in words."""
     saved = 1.0 - (1.0 if ratio.ratio is None else ratio.ratio)
     ends = None if ratio.ci95 is None else (100.0 - 100.0 * ratio.ci95[1], 100.0 - 100.0 * ratio.ci95[0])
-    return f"{'' if saved > 0.0 else 'nothing: '}{saved:.0%}{interval_words(ends, '{:.0f}'.format)}"
+    return f"{'' if saved > 0.0 else 'nothing: '}{saved:z.0%}{interval_words(ends, '{:.0f}'.format)}"

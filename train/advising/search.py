@@ -46,7 +46,7 @@ BUDGET_SHARES = {"goals": 0.35, "together": 0.15, "numbers": 0.12, "duel": 0.06,
 """Part of the budget for each part of the search; the last round gets the rest."""
 FEWEST_STARTS, MOST_STARTS = 2, 32
 """Bounds of the starts of a round."""
-LAST_FEWEST, LAST_MOST = 20, 100
+LAST_FEWEST, LAST_MOST = 20, 400
 """Bounds of the starts of the last round."""
 
 

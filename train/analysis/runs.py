@@ -85,8 +85,12 @@ class Runs:
 
     @property
     def title(self) -> str:
-        """The name, the number of scenarios and the seed, for tables and figures."""
+        """The name, the number of scenarios and the seed, for figures."""
         return f"{self.document.name}: {self.scenarios} scenario{'s' * (self.scenarios > 1)}, seed {self.seed}"
+
+    def titled(self, *, given: bool) -> str:
+        """Return the same for tables, and whether the starts are given or drawn."""
+        return f"{self.title}, {'given' if given else 'random'} starts"
 
     @property
     def task(self) -> type[Task[Any, Any]]:

@@ -45,7 +45,9 @@ def advise_command(
     robust: Annotated[
         bool,
         typer.Option(
-            "--robust", help="Also do what is judged in ten perturbed worlds: lost and late messages, slip, errors."
+            "--robust",
+            help="Also do what is judged in ten perturbed worlds: lost and late messages, slip, errors. "
+            "These are some 800 missions beside --minutes.",
         ),
     ] = False,
     learn: Annotated[

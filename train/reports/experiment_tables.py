@@ -4,6 +4,7 @@
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -40,8 +41,8 @@ def all_tables(report: ExperimentReport) -> list[Grid]:
 
 
 def conditions_table(report: ExperimentReport) -> Grid:
-    """Return the conditions, the fastest or cheapest first."""
-    columns = first_columns(report)
+    """Return the conditions, the fastest or cheapest first; figures of others stand before ratios."""
+    columns = dict[str, Mapping[str, str]]()
     beside = {name: _beside(report, name) for name in report.conditions}
     source = "measured" if report.paired else "paper"
     for k, (metric, head) in enumerate(SHOWN.items() if not report.measured else ()):
@@ -52,7 +53,13 @@ def conditions_table(report: ExperimentReport) -> Grid:
             cells = {name: _number(float(np.mean(values))) for name, values in theirs.items()}
             columns[f"{source} {head.removeprefix('time ')}"] = cells
     what = "cost s" if report.measured else SHOWN["duration_s"]
-    return ranking_table(report.runs.title, report.ranking, what, columns, _notes(report))
+    title = report.runs.titled(given=report.own_starts or report.paired)
+    grid = ranking_table(title, report.ranking, what, columns | first_columns(report), _notes(report))
+    if not any(beside.values()):
+        return grid
+    order = [0, 1, 2, *range(5, len(grid.heads)), 3, 4]
+    heads, *rows = ([cells[k] for k in order] for cells in (grid.heads, *grid.rows))
+    return replace(grid, heads=tuple(heads), rows=rows)
 
 
 def beside_theirs(report: ExperimentReport) -> Grid:

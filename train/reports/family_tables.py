@@ -35,14 +35,17 @@ MULTIPLES = {
 INTERVALS = "95 % intervals: Clopper and Pearson's (completed), Student's; unfinished missions last their time limit"
 
 
-def family_tables(report: FamilyReport) -> list[Grid]:
-    """Return the table of what is compared, and further ones in the order of the report."""
-    compared = [] if report.comparison is None else [_gaps(report, report.comparison)]
+def family_tables(report: FamilyReport, to: str = "") -> list[Grid]:
+    """Return the table of what is compared, and further ones in the order of the report.
+
+    `to`: label with which the others are compared, in place of those that are best here; see `ranking_table`.
+    """
+    compared = [] if to or report.comparison is None else [_gaps(report, report.comparison)]
     measured = measures_grids(report.runs.document.name, report.measured)
-    return [_ranked(report), *measured, *compared]
+    return [_ranked(report, to), *measured, *compared]
 
 
-def _ranked(report: FamilyReport) -> Grid:
+def _ranked(report: FamilyReport, to: str) -> Grid:
     runs, own, mission, task = report.runs, report.summaries, report.runs.missions[0], report.runs.task
     columns = first_columns(report)
     if not report.measured:
@@ -57,7 +60,8 @@ def _ranked(report: FamilyReport) -> Grid:
     names = {name for label in own for name in (label, label.partition(":")[0])}
     said = "; ".join(f"{name}: {meaning}" for name, meaning in MEANINGS.items() if name in names)
     notes = (f"cost: {task.cost_words(mission)}", *excess, *([f"{said}."] if said else []))
-    return ranking_table(runs.title, report.ranking, f"{report.compared} s", columns, notes)
+    title = runs.titled(given=bool(runs.document.starts))
+    return ranking_table(title, report.ranking, f"{report.compared} s", columns, notes, to=to)
 
 
 def _gaps(report: FamilyReport, comparison: StrategyComparison) -> Grid:

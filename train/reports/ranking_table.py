@@ -23,7 +23,13 @@ TELLS = "p: sign flips of missions that both finish, and of shares unfinished, b
 
 
 def ranking_table(
-    title: str, ranking: Ranking, what: str, columns: Mapping[str, Mapping[str, str]], notes: Sequence[str] = ()
+    title: str,
+    ranking: Ranking,
+    what: str,
+    columns: Mapping[str, Mapping[str, str]],
+    notes: Sequence[str] = (),
+    *,
+    to: str = "",
 ) -> Grid:
     """Return the table of a ranking.
 
@@ -33,25 +39,27 @@ def ranking_table(
         what: head of the column of means, with the unit.
         columns: head of a further column -> label -> cell.
         notes: lines below the table.
+        to: label with which each other one is compared alone; the first, with intervals for all pairs, unless given.
 
     """
-    best = ranking.labels[0]
+    best, compared = to or ranking.labels[0], to or "the first"
     known = [end for mean in ranking.means.values() for end in (mean.value, *(mean.ci95 or ()))]
     least, most = min(mean.value for mean in ranking.means.values()), max(known)
     logarithmic = least > 0.0 and most > LOG_FROM * least
     low = min((end for end in known if end > 0.0), default=0.0) if logarithmic else min(0.0, *known)
     rows = []
     for label, mean in ranking.means.items():
-        ratio, ends = ranking.ratio(label, best).ratio, None if label == best else ranking.interval(label, best)
-        again = EMPTY_CELL if ratio is None else f"{ratio_words(ratio)}{interval_words(ends, ratio_words)}"
+        ratio = ranking.ratio(label, best)
+        ends = None if label == best else ratio.ci95 if to else ranking.interval(label, best)
+        again = EMPTY_CELL if ratio.ratio is None else f"{ratio_words(ratio.ratio)}{interval_words(ends, ratio_words)}"
         drawn = strip(mean.value, mean.ci95, (low, most), logarithmic)
         p = EMPTY_CELL if label == best else p_cell(ranking.ps[frozenset((label, best))])
         cells = (f"{amount(mean.value)}{interval_words(mean.ci95, amount)}", drawn, again, p)
         rows.append((label, *cells, *(column.get(label, "") for column in columns.values())))
     scale = f"{amount(low)} to {amount(most)}{', logarithmic' * logarithmic}"
-    heads = ("strategy", f"{what} [95 %]", scale, "times the first [95 %]", "p (Holm)", *columns)
+    heads = ("strategy", f"{what} [95 %]", scale, f"times {compared} [95 %]", "p (Holm)", *columns)
     together = "the 95 % hold for all pairs of the table together, so another row makes all of them wider"
-    lines = [f"times the first: ratio of means; {together}", TELLS]
+    lines = [f"times {compared}: ratio of means; {'the 95 % are of each ratio alone' if to else together}", TELLS]
     lines = [] if ranking.scenarios == 1 or len(rows) == 1 else lines
     if ranking.heavy:
         names = listed([ranking.name(label) for label in ranking.heavy])

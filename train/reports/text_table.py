@@ -82,9 +82,10 @@ class TerminalTable:
         yield from console.render(table, unbounded)
         if len(grid.rows) < len(self.grid.rows):
             yield f"{len(grid.rows) or 'none'} of {len(self.grid.rows)} rows; all are in table.md"
-        left_out = [" ".join(head.split()) for k, head in enumerate(grid.heads) if k not in columns]
+        drawn = {k for row in grid.rows for k, cell in enumerate(row) if POINT in cell}
+        left_out = [" ".join(head.split()) for k, head in enumerate(grid.heads) if k not in {*columns, *drawn}]
         if left_out:
-            yield Text(f"a wider terminal also shows: {', '.join(left_out)}", style="dim")
+            yield Text(f"a wider terminal and table.md also show: {', '.join(left_out)}", style="dim")
         yield from grid.notes
 
 

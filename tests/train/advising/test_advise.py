@@ -5,6 +5,7 @@ import json
 import os
 import re
 from itertools import chain, repeat
+from statistics import NormalDist
 from unittest.mock import Mock
 
 import numpy as np
@@ -71,9 +72,14 @@ def test_a_mission_of_ones_own_gets_advice_that_can_be_used(tmp_path, monkeypatc
     said = json.loads((tmp_path / "advice/yard/summary.json").read_text())
     first = " and ".join(said["held"].values())
     assert f"yard: hold {first}: " in out
-    assert f"on {said['starts']} fresh starts, the best of 10 pairs" in out
+    assert f"on {said['starts']} fresh starts, the least of 10 pairs" in out
     assert "the experts' scores" in out
-    assert "So a " in out
+    assert "So a selector " in out or "Whether a selector is worth it here is not known at this budget" in out
+    assert "Budget: 100 missions, seed 0." in out
+    (row,) = [line for line in out.splitlines() if line.lstrip().startswith("Random ")]
+    told = re.search(r"(?i)a random choice (?:costs )?(.*?\])", out)[1]
+    assert told.replace("times as much ", "") in row
+    assert f"times fixed:{'+'.join(said['held'].values())} [95 %]" in " ".join(out.split())
     assert taken(tmp_path / "advice/yard") == said["held"]
     robots = clean_swarm_v0.parallel_env("yard.yaml", knowledge="advice/yard")
     assert set(robots.options) == {"AvoidCollision", "ExplorationPatrol"}
@@ -287,6 +293,65 @@ def test_no_selector_is_worth_it_beside_a_search_without_time_or_one_that_chance
         ratio = Mock(return_value=Ratio.of(chance * noise, noise[::-1].copy()))
         report = Mock(search=Mock(left_out=left_out), costs={RANDOM: 0.0}, ratio=ratio)
         assert Advice.unjudged.fget(report) == why
+
+
+STARTS = np.random.default_rng(5).uniform(90.0, 110.0, 24)
+
+
+def judged(**ratios):
+    """Return an advice whose last round had these ratios."""
+    report = Mock(found=Mock(choosers=("policy:a", "fsm:b"), starts=24), hindsight=None, by_kind=None, unjudged="")
+    report.costs = [name for name in report.found.choosers if name in ratios]
+    report.ratio = ratios.get
+    report.configure_mock(**{name: one for name, one in ratios.items() if name not in report.costs})
+    for name in ("claims", "better", "gains", "most", "worth_it"):
+        own = getattr(Advice, name)
+        setattr(report, name, (own.fget if isinstance(own, property) else own.func)(report))
+    return report
+
+
+def costing(share, noise):
+    """Return the ratio of costs that are a share of others', with noise."""
+    drawn = [NormalDist().inv_cdf((5 * k % 24 + 0.5) / 24) for k in range(24)]
+    return Ratio.of(STARTS * share * np.exp(noise * np.array(drawn)), STARTS)
+
+
+@pytest.mark.parametrize(
+    ("ratios", "expected"),
+    [
+        ({"policy:a": (0.8, 0.1)}, True),
+        ({"policy:a": (1.2, 0.05), "hindsight": (0.8, 0.1)}, True),
+        ({"policy:a": (1.2, 0.05), "hindsight": (0.98, 0.01)}, False),
+        ({"policy:a": (1.2, 0.05), "hindsight": (0.95, 0.4)}, None),
+        ({"policy:a": (0.95, 0.4), "hindsight": (1.1, 0.02)}, None),
+        ({}, None),
+    ],
+)
+def test_a_selector_is_worth_it_or_not_or_that_is_not_known(ratios, expected):
+    assert judged(**{name: costing(*one) for name, one in ratios.items()}).worth_it is expected
+
+
+def test_that_something_gains_is_told_with_all_that_might_counted():
+    one, nothing = costing(0.93, 0.14), costing(1.0, 0.4)
+    assert 0.05 / 3 < one.p < 0.05 / 2
+    assert judged(hindsight=one, by_kind=nothing).gains
+    assert not judged(**{"hindsight": one, "by_kind": nothing, "fsm:b": nothing}).gains
+    assert judged(**{"policy:a": one, "hindsight": nothing}).better == ["policy:a"]
+    assert judged(**{"policy:a": one, "hindsight": nothing, "fsm:b": nothing}).better == []
+
+
+def test_the_gain_in_hindsight_is_beside_the_best_of_the_same_arms_not_beside_what_is_held():
+    rng = np.random.default_rng(2)
+    starts = rng.uniform(50.0, 150.0, 40)
+    costs = {"a": 1.3, "b": 1.0}
+    done = {
+        (f"test-{k + 1}{world}", arm): Mock(result=Mock(excess_s=share * starts[k] * rng.uniform(0.99, 1.01)))
+        for arm, share in costs.items()
+        for k in range(40)
+        for world in ("", ".2")
+    }
+    report = Mock(found=Mock(finalists=("a", "b"), starts=40), costs=costs, search=Mock(done=done))
+    assert Advice.hindsight.func(report).ratio == pytest.approx(1.0, abs=0.01)
 
 
 def test_how_many_missions_are_to_come_follows_from_the_budget(tmp_path, monkeypatch):

@@ -35,12 +35,30 @@ def test_no_name_is_cut_and_no_line_is_wider_than_the_terminal(width):
     assert all(len(line.rstrip()) <= width for line in text.splitlines())
     assert all(name in column(text) for name in NAMES)
     assert text.count("183 [95, 271]") == len(NAMES)
-    told = re.search(r"a wider terminal also shows: (.*) a note", " ".join(text.split()))
+    told = re.search(r"a wider terminal and table.md also show: (.*) a note", " ".join(text.split()))
     left_out = told[1].split(", ") if told else []
     assert set(left_out) <= set(HEADS)
     for head, cell in zip(HEADS[1:], CELLS, strict=True):
-        assert (text.count(cell) >= len(NAMES)) == (head not in left_out), head
-    assert left_out == [] if width == 300 else "0 to 563" in left_out
+        assert (text.count(cell) >= len(NAMES)) == (head not in left_out) or "●" in cell, head
+    assert (CELLS[1] in text) == (width == 300)
+
+
+def test_the_papers_figures_fit_into_80_columns_and_a_title_says_which_starts(tmp_path):
+    words = ("evaluate", "--workers", 1, "--output")
+    given, drawn = done(*words, tmp_path / "own"), done(*words, tmp_path / "drawn", "--scenarios", 2)
+    assert given.startswith("table1: 5 scenarios, seed 0, given starts")
+    assert drawn.startswith("table1: 2 scenarios, seed 0, random starts")
+    assert given.splitlines()[2].split()[-4:] == ["[95", "%]", "p", "(Holm)"]
+    heads, *_, first, second = markdown_of(tmp_path / "own")[:4]
+    cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in (heads, first, second)]
+    text = " ".join(printed(Grid("t", tuple(cells[0]), cells[1:]), 80).split())
+    assert "266.4 0.915 2.16" in text
+    assert "also show: unfinished (at most), times the first [95 %], p (Holm)" in text
+
+
+def markdown_of(folder):
+    """The lines of the first table of results."""
+    return [line for line in (folder / "table.md").read_text().splitlines() if line.startswith("|")]
 
 
 def test_a_file_gets_every_column():
@@ -55,7 +73,7 @@ def test_heads_of_groups_fold_and_intervals_do_not():
     grid = Grid("t", heads, [("1", *["1,526.80 [1,000, 20,000]"] * 4)], [("mean", *["4.0"] * 4)])
     text = printed(grid, 60)
     assert text.count("[1,000, 20,000]") == 2
-    assert "also shows: Gradient time s, Gradient coll/s" in " ".join(text.split())
+    assert "also show: Gradient time s, Gradient coll/s" in " ".join(text.split())
 
 
 def test_of_many_rows_the_first_and_those_that_were_named_are_shown():
