@@ -70,7 +70,8 @@ class RobotProcess:
         timeout: age of the pose at which the wheels stop [s]; that of the robot's model unless given.
         link_timeout: time without any broadcast of another robot after which they stop [s].
         directories: the user's own configurations.
-        record: where what it knows is recorded, a mission with one robot that works; nowhere unless given.
+        record: where what it knows is recorded, a mission with one robot that works; nowhere unless given. Call `close`
+            in the end.
 
     Attributes:
         mission, name, names: the mission, `robot_N`, and those of the whole team.
@@ -105,7 +106,7 @@ class RobotProcess:
         if not 0 <= number < whole.rows:
             raise DocumentError(f"robot: expected a number from 0 to {whole.rows - 1}, got {number}")
         self.row, self.name = number, self.names[number]
-        scenario = Scenario("robot", seed, self.mission, start or random_start(self.mission, seed, 0))
+        scenario = Scenario(self.name, seed, self.mission, start or random_start(self.mission, seed, 0))
         self._batch = Batch(
             self.mission,
             source=lambda world: scenario,
@@ -216,6 +217,10 @@ class RobotProcess:
         """Return what the wheels do, once it is decided and items are handled."""
         self._acting.run(self.worlds.now)
         return self._wheels(now, self.worlds.now)
+
+    def close(self) -> None:
+        """Write what is not in the recording yet; a process that is killed loses at most the last 250 periods of it."""
+        self._batch.close()
 
     def _end(self, now: float) -> None:
         """End the last control period if `now` [s] is in a later one."""

@@ -15,6 +15,7 @@ from clean_swarm_env.config.known import knowledge_of
 from clean_swarm_env.config.mission import StartConfiguration
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.learning.given import GivenMission, mission_from
+from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
 from clean_swarm_env.robots.process import RobotProcess
 from clean_swarm_env.robots.sensed import HANDLING, SeenItem, Sensed, Wheels
 from clean_swarm_env.tasks.cleaning.garbage import LYING
@@ -47,6 +48,8 @@ class ServedBodies:
         worlds: the world.
         air: what brings robots what others say.
 
+    With `record` a recording is written that `clean-swarm replay` plays.
+
     """
 
     def __init__(
@@ -55,6 +58,7 @@ class ServedBodies:
         start: StartConfiguration | None = None,
         seed: int = 0,
         directories: Sequence[Path] = (),
+        record: RecordSettings | None = None,
     ) -> None:
         given, own = mission_from(mission, tuple(directories)), tuple(directories)
         if any(given.of_each(key).any() for key in ("pose_noise", "pose_drift", "slip")):
@@ -67,6 +71,9 @@ class ServedBodies:
         self._task: Any = worlds.task
         self._any_way = np.array([model.drive == "holonomic" for model in given.robots.models])[given.models]
         self.air = MissionAir(worlds)
+        self._recorder = MissionRecorder(worlds, record) if record else None
+        if self._recorder:
+            self._recorder.open(0, {"seed": seed})
         self._handling, self._moving = Program(self._handling_steps), Program(self._moving_steps)
 
     @property
@@ -106,6 +113,16 @@ class ServedBodies:
         drive.speed[:], drive.turn_rate[:] = [one.speed for one in wheels], [one.turn_rate for one in wheels]
         drive.packed.record.commanded_at[:] = worlds.now
         self._moving.run(worlds.now)
+        self.record()
+
+    def show_options(self, robots: Sequence[RobotProcess]) -> None:
+        """Let the recording have the options that robots hold."""
+        self.worlds.hold(np.array([[one.held[robot.row] for one in robot.worlds.coordinators] for robot in robots]))
+
+    def record(self) -> None:
+        """Record the control period that has ended, if that was asked for; a mission that is over ends its file."""
+        if self._recorder:
+            self._recorder.record()
 
     def _handling_steps(self) -> list[Step]:
         """Return the steps of a tick in which items are handled."""
@@ -147,6 +164,7 @@ def tick_together(bodies: ServedBodies, robots: Sequence[RobotProcess]) -> None:
     bodies.air.carry_left([robot.tell(now) for robot in robots], robots)
     bodies.air.carry_said([robot.say(now) for robot in robots], robots)
     begun = [robot.decide(now) for robot in robots]
+    bodies.show_options(robots)
     for robot, sensed in zip(robots, bodies.handle(begun), strict=True):
         robot.sense(sensed)
     bodies.move([robot.act(now) for robot in robots])

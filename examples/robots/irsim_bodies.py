@@ -1,7 +1,7 @@
 """The bodies of a mission in IR-SIM, another simulator, with its kinematics, noise and contacts; minds stay the same.
 
     pip install "ir-sim==2.12.*"
-    python examples/robots/irsim_bodies.py
+    python -m examples.robots.irsim_bodies FOLDER  # for recordings and a GIF; without one it only prints figures
 
 IR-SIM (MIT licence) moves discs with differential drives in steps of 0.05 s and pushes what overlaps apart. Drives do
 not do what they are told: in each step speeds and turn rates have errors of 17 %, IR-SIM's usual ones. Poses come from
@@ -10,6 +10,7 @@ a camera that errs by 2 cm. Items are handled, and collisions counted, by our ru
 
 from __future__ import annotations
 
+import sys
 import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -19,11 +20,14 @@ from typing import Any, Final
 
 import irsim
 import numpy as np
+from PIL import Image
 
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.physics.collisions import count_world
+from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.robots.process import RobotProcess
 from clean_swarm_env.robots.sensed import Sensed, Wheels
+from clean_swarm_env.tasks.cleaning.garbage import LYING
 from examples.robots.bodies import ServedBodies, tick_together
 from selector.documents.reading import as_yaml
 from selforg.program import MOVE, TELLING, Program, Step
@@ -49,14 +53,21 @@ class IrsimBodies(ServedBodies):
 
     """
 
-    def __init__(self, mission: MissionConfig, start: StartConfiguration | None = None, seed: int = 0) -> None:
-        super().__init__(mission, start, seed)
+    def __init__(
+        self,
+        mission: MissionConfig,
+        start: StartConfiguration | None = None,
+        seed: int = 0,
+        record: RecordSettings | None = None,
+    ) -> None:
+        super().__init__(mission, start, seed, record=record)
         self._rng = np.random.default_rng(seed)
         self._ending = Program(self._ending_steps)
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "world.yaml"
             file.write_text(as_yaml(self._described(mission)), encoding="utf-8")
-            self._world: Any = irsim.make(str(file), headless=True, log_level="ERROR", seed=seed)
+            drawing = {"headless": record is None, "display": False}
+            self._world: Any = irsim.make(str(file), **drawing, log_level="ERROR", seed=seed)
 
     def move(self, wheels: Sequence[Wheels]) -> None:
         """Let robots drive for a control period."""
@@ -71,6 +82,17 @@ class IrsimBodies(ServedBodies):
             physics.headings[:] = states[:, 2]
             count_world(0, physics.positions, physics.present, collisions.packed.handle)
         self._ending.run(worlds.now)
+        self.record()
+
+    def picture(self) -> Image.Image:
+        """Return what IR-SIM draws, with the items that lie (dots) and the stations (squares), in 32 colours."""
+        plot, task, garbage = self._world._env_plot, self.worlds.mission.task, self.worlds.task.garbage
+        lying = garbage.positions[0][garbage.stage[0] == LYING]
+        plot.step("dynamic", self._world.objects)
+        plot.draw_points(lying.tolist(), 30, "green", refresh=True)
+        plot.draw_points([task.stations.recycling, task.stations.dump], 200, "orange", refresh=True, marker="s")
+        plot.fig.canvas.draw()
+        return Image.fromarray(np.asarray(plot.fig.canvas.buffer_rgba())[:, :, :3]).quantize(32)
 
     def _ending_steps(self) -> list[Step]:
         """Return the steps of a tick after driving."""
@@ -118,9 +140,9 @@ def wall_of(begin: Sequence[float], end: Sequence[float]) -> dict[str, Any]:
     return {"shape": shape, "state": centre, "static": True}
 
 
-def main() -> None:
-    """Let five robots clean a hall in both simulators."""
-    hall: dict[str, Any] = {
+def hall() -> MissionConfig:
+    """Return a mission that five robots finish in a minute or so."""
+    given: dict[str, Any] = {
         "name": "hall",
         "world": {"ground": "walled", "width": 8.0, "height": 8.0, "contacts": "solid"},
         "task": {"garbage": {"count": 5}, "stations": {"recycling": [2.0, 4.0], "dump": [6.0, 4.0]}},
@@ -128,13 +150,25 @@ def main() -> None:
         "knowledge": "exploring",
         "time_limit": 300.0,
     }
-    mission = MissionConfig.model_validate(hall)
-    for bodies in (ServedBodies(mission, seed=1), IrsimBodies(mission, seed=1)):
+    return MissionConfig.model_validate(given)
+
+
+def main(folder: str = "") -> None:
+    """Let five robots clean a hall in both simulators; with a folder, write recordings there, and a GIF of IR-SIM's."""
+    mission, pictures = hall(), list[Image.Image]()
+    for kind in (ServedBodies, IrsimBodies):
+        record = RecordSettings(Path(folder), name=kind.__name__) if folder else None
+        bodies = kind(mission, seed=1, record=record)
         robots = [RobotProcess(mission, row, "fixed:ORCA+Patrol", goal=BOTH, seed=1) for row in range(mission.rows)]
         while bodies.running:
             tick_together(bodies, robots)
-        print(f"{type(bodies).__name__}: {bodies.result.duration_s:.1f} s, {bodies.result.cost_s:.1f} s cost")
+            if folder and isinstance(bodies, IrsimBodies) and bodies.worlds.world.tick % 5 == 0:
+                pictures.append(bodies.picture())
+        print(f"{kind.__name__}: {bodies.result.duration_s:.1f} s, {bodies.result.cost_s:.1f} s cost")
+    if pictures:
+        more = {"save_all": True, "append_images": pictures[1:], "duration": 100, "loop": 0, "optimize": True}
+        pictures[0].save(Path(folder) / "irsim.gif", **more)
 
 
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:])

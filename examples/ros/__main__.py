@@ -5,6 +5,7 @@ import json
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import rclpy
@@ -12,6 +13,7 @@ from rclpy.executors import SingleThreadedExecutor
 
 from clean_swarm_env.config.starts import random_start
 from clean_swarm_env.learning.given import mission_from
+from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.robots.process import RobotProcess
 from clean_swarm_env.robots.sensed import Sensed
 from examples.robots.bodies import ServedBodies
@@ -77,7 +79,8 @@ def follow(node: RobotNode, executor: SingleThreadedExecutor, rate: float) -> No
 def run_world(given: argparse.Namespace) -> int:
     """Run the bodies of a mission, and print its figures."""
     mission, clock = mission_of(given), MissionClock(given.epoch, given.speed)
-    bodies = ServedBodies(mission, random_start(mission, given.seed, 0), given.seed)
+    record = RecordSettings(Path(given.record), name="swarm") if given.record else None
+    bodies = ServedBodies(mission, random_start(mission, given.seed, 0), given.seed, record=record)
     executor, node = SingleThreadedExecutor(), WorldNode(bodies, clock, given.scale)
     executor.add_node(node)
     until = time.monotonic() + WAIT
@@ -160,6 +163,7 @@ def main() -> int:
     parser.add_argument("--twice", type=float, default=0.0, help="share that it hears twice")
     parser.add_argument("--delay", type=float, default=0.0, help="until it hears them [s]")
     parser.add_argument("--course", default="", help="file of the poses after each control period, for numpy.load")
+    parser.add_argument("--record", default="", help="folder of the world's recording, for clean-swarm replay")
     parser.add_argument("--network", action="store_true", help="find nodes on other machines, too")
     given = parser.parse_args()
     stay_on_this_machine(given.network)

@@ -9,9 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from clean_swarm_env.recording.reader import RecordedMission
+from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.robots.process import RobotProcess
 from clean_swarm_env.robots.sensed import Broadcast, SeenItem, Sensed
-from examples.robots.bodies import tick_together
+from examples.robots.bodies import ServedBodies, tick_together
 from selector.documents.errors import DocumentError
 from tests.clean_swarm_env.robots.lock_step import Both, poses_of, same_course
 
@@ -64,6 +66,23 @@ def test_copies_of_bodies_and_robots_go_on_as_these_do_by_themselves():
         for tick in range(30, len(both.course)):
             tick_together(bodies, robots)
             np.testing.assert_array_equal(poses_of(bodies.worlds), both.course[tick], f"tick {tick}")
+
+
+def test_a_mission_of_processes_is_recorded_with_what_they_hold(tmp_path):
+    both = Both({"base": "table1", "time_limit": 8.0}, "fixed:RepulsionGradient-view1.5", 2)
+    robots = both.robots(record=RecordSettings(tmp_path))
+    bodies = ServedBodies(both.mission, both.start, both.seed, record=RecordSettings(tmp_path, name="bodies"))
+    while bodies.running:
+        tick_together(bodies, robots)
+    for robot in robots:
+        robot.close()
+    assert len(list(tmp_path.glob("*.swarm"))) == 6
+    for name, frames in {"bodies": 40, "robot_0": 39}.items():  # a robot notes a period in the next one
+        run = RecordedMission(tmp_path / f"{name}.swarm")
+        assert run.frames == frames
+        held = run["held/AvoidCollision"][-1, 0]
+        assert run.head["options"]["AvoidCollision"][held] == "RepulsionGradient-view1.5"
+        np.testing.assert_allclose(run["x"][1:, 0], np.array(both.course)[: frames - 1, 0, 0], atol=2e-3)
 
 
 def test_a_robot_without_a_pose_stands_and_one_with_a_pose_drives():
