@@ -9,9 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 from math import isfinite
-from operator import itemgetter
 from pathlib import Path
 from typing import Any, Final
 
@@ -31,24 +29,14 @@ from clean_swarm_env.physics.drive import update_drives
 from clean_swarm_env.physics.motion import wrapped_angle
 from clean_swarm_env.physics.tick import start_tick
 from clean_swarm_env.recording.recorder import RecordSettings
-from clean_swarm_env.robots.hearing import EARLIEST, Ear
+from clean_swarm_env.robots.hearing import EARLIEST
 from clean_swarm_env.robots.items import check_cargo, handled, put_items
 from clean_swarm_env.robots.sensed import POSE_BUFFER, Broadcast, Emitted, Sensed, Wheels
+from clean_swarm_env.robots.talking import Talk
 from clean_swarm_env.tasks.cleaning.task import Cleaning
 from selector.documents.errors import DocumentError
-from selforg.arrays import Floats, Ints
-from selforg.components.sources import CLOCK_TOLERANCE
-from selforg.gradients.buffer import SoBuffer
-from selforg.gradients.gradient import Gradient, check_gradient
-from selforg.gradients.store import columns as c
 from selforg.program import AFTER_MOVING, COMMANDING, COUNTING, DECIDE, LEAD, MOVE, SENSE, STARTING, Program, Step
 
-MOST_WAITING: Final = 1_000
-"""Broadcasts that wait for the next control period; more are not heard."""
-MOST_HEARD: Final = 20_000
-"""Gradients that a buffer holds of what was heard; more are not heard."""
-MOST_TOLD: Final = 400
-"""Gradients that a robot keeps to tell at a time, the newest; so many fit into a datagram."""
 EARLY: Final = 1e-6
 """Share of a control period by which a call may come before it."""
 
@@ -102,7 +90,6 @@ class RobotProcess:
         named, whole = decider_named(strategy, directories), mission_from(mission, tuple(directories))
         self.mission = known_alone(whole)
         self.names = tuple(f"robot_{row}" for row in range(whole.rows))
-        self._delay = whole.delivery.delay  # after which it has its own messages, too [s]
         if not 0 <= number < whole.rows:
             raise DocumentError(f"robot: expected a number from 0 to {whole.rows - 1}, got {number}")
         self.row, self.name = number, self.names[number]
@@ -125,6 +112,8 @@ class RobotProcess:
         check_cargo(self.worlds.task)
         if not (0.0 <= timeout < np.inf and link_timeout > 0.0):
             raise DocumentError(f"robot: expected timeouts above 0 s, got {timeout} and {link_timeout}")
+        self._talk = Talk(self.worlds, self.names, self.row, whole.delivery, self._stands)
+        self.ear = self._talk.ear
         self._start(seed, timeout, link_timeout)
 
     def _start(self, seed: int, timeout: float, link_timeout: float) -> None:
@@ -132,21 +121,14 @@ class RobotProcess:
         worlds, poses = self.worlds, self.worlds.minds.poses
         self._timeout = timeout or float(self.mission.of_each("command_timeout")[self.row])
         self._link_timeout = link_timeout
-        self.ear, self._sequence, self._left = Ear(self.names, self.name), -1, list[Emitted]()
-        self._buffers = {name: one for name, one in worlds.minds.buffers.items() if one.shared}
-        for name, buffer in self._buffers.items():
-            buffer.sent = partial(self._keep, name, buffer)
         self._batch.reset()
         self._decider.reset(worlds.rows_of(0), seed)
-        self._others = np.delete(np.arange(worlds.rows), self.row)
-        worlds.team.fail(self._others[worlds.team.working[self._others]])
-        poses.silence(self._others)
+        worlds.team.fail(self._talk.others[worlds.team.working[self._talk.others]])
+        poses.silence(self._talk.others)
         self._thinking, self._acting = Program(self._thinking_steps), Program(self._acting_steps)
         self._ending = Program(self._ending_steps)
-        self._waiting = list[tuple[float, int, Emitted]]()  # stamp [s], row, and what was said
-        self._heard_at = np.full((worlds.rows, 2), -np.inf)  # when the last two poses of each were heard [s]
         self._sensed: Sensed | None = None
-        self._now = self._link = self._decided_at = 0.0  # [s]
+        self._now = 0.0  # [s]
         self._decided_in = self._chosen_in = self._spread_in = -1  # control period, decision period, control period
 
     def sense(self, sensed: Sensed) -> None:
@@ -157,17 +139,15 @@ class RobotProcess:
         physics.positions[row] = ground.space.wrap(np.array([sensed.x, sensed.y]))
         physics.headings[row] = wrapped_angle(sensed.heading)
         counts.entered_in_tick[row] += sensed.collisions
-        near = np.reshape(sensed.near[: len(self._others)], (-1, 2))
-        physics.present[self._others] = np.arange(len(self._others)) < len(near)
-        physics.positions[self._others[: len(near)]] = ground.space.wrap(near)
+        near = np.reshape(sensed.near[: len(self._talk.others)], (-1, 2))
+        physics.present[self._talk.others] = np.arange(len(self._talk.others)) < len(near)
+        physics.positions[self._talk.others[: len(near)]] = ground.space.wrap(near)
         self._sensed = sensed
 
     def tell(self, now: float) -> Broadcast:
         """Return what the robot left and noticed in the control period before that of `now` [s]; see `say`."""
         self._end(now)
-        left, self._left = tuple(self._left), []
-        self._sequence += 1
-        return Broadcast(self.name, self._sequence, self.worlds.now, left)
+        return self._talk.tell()
 
     def say(self, now: float) -> Broadcast:
         """Return all that the robot tells the others at `now` [s]: its pose, too, unless that is old.
@@ -183,18 +163,8 @@ class RobotProcess:
         return replace(told, emitted=(pose, *told.emitted))
 
     def hear(self, said: Broadcast) -> bool:
-        """Take what another robot says, for the next control period; return whether it counts, see `Ear`.
-
-        What says an impossible number does not count, nor what comes while too much waits.
-        """
-        if len(self._waiting) > MOST_WAITING or not all(is_possible(one.gradient, said.stamp) for one in said.emitted):
-            self.ear.refused["impossible"] += 1
-            return False
-        if self.ear.refuses(said, self._now):
-            return False
-        row, self._link = self.names.index(said.robot), max(self._link, min(said.stamp, self._now))
-        self._waiting += [(one.gradient.stamp, row, one) for one in said.emitted[:MOST_WAITING]]
-        return True
+        """Take what another robot says, for the next control period; return whether it counts, see `Talk`."""
+        return self._talk.hear(said, self._now)
 
     def step(self, now: float) -> Wheels:
         """Return what the wheels do from `now` [s] on, a time since the mission began."""
@@ -207,9 +177,9 @@ class RobotProcess:
     def decide(self, now: float) -> tuple[str, ...]:
         """Decide for the control period of `now` [s]; return which of HANDLING begin."""
         self._turn(now)
-        self._decided_in, self._decided_at = self.worlds.world.tick, self.worlds.now
-        self._listen(poses=True)
-        self._forget()
+        self._decided_in, self._talk.decided_at = self.worlds.world.tick, self.worlds.now
+        self._talk.listen(poses=True)
+        self._talk.forget()
         self._thinking.run(self.worlds.now)
         return handled(self._task, self.row) if self._cleans and not self._why_stopped(now) else ()
 
@@ -239,7 +209,7 @@ class RobotProcess:
         self._end(now)
         worlds, tick = self.worlds, self.worlds.world.tick
         if self._spread_in < tick:
-            self._listen(poses=False)
+            self._talk.listen(poses=False)
         if self._chosen_in < tick // self._batch.ticks_per_step:
             self._chosen_in = tick // self._batch.ticks_per_step
             self._choose()
@@ -254,13 +224,17 @@ class RobotProcess:
         batch.choices.apply(self.worlds, self._decided.decide(self._decider, batch.observations))
         batch.progress.reset_period()
 
+    def _stands(self) -> bool:
+        """Return whether the wheels have to stand now."""
+        return bool(self._why_stopped(self._now))
+
     def _why_stopped(self, now: float) -> str:
         """Return why the wheels have to stand at `now` [s]; empty if they need not."""
         if now < self.worlds.now - self.worlds.period:
             return "clock"
         if self._sensed is None or not -EARLIEST <= now - self._sensed.stamp <= self._timeout:
             return "pose"
-        return "link" if now - self._link > self._link_timeout else ""
+        return "link" if now - self._talk.link > self._link_timeout else ""
 
     def _wheels(self, now: float, at: float) -> Wheels:
         """Return what the wheels do by the last command, and the heading at `now` [s]; `at`: time of the drive [s]."""
@@ -270,50 +244,6 @@ class RobotProcess:
         update_drives(*given.packed.record, floor.physics.headings, at, floor.drive.packed.handle)
         x, y = given.vectors[row].tolist() if given.commanded[row] and not given.in_place[row] else (0.0, 0.0)
         return Wheels(float(floor.drive.speed[row]), float(floor.drive.turn_rate[row]), (x, y))
-
-    def _keep(self, name: str, buffer: SoBuffer, messages: Floats, tags: Ints, now: float) -> None:
-        """Keep what the robot spreads for the others, and for itself after the mission's delay, unless it stands."""
-        if self._why_stopped(self._now):
-            return
-        for message, tag in zip(messages, tags, strict=True):
-            if tag[c.TAG_SOURCE] == self.row:
-                emitted = Emitted(name, buffer.gradient_of_message(message, tag))
-                self._waiting.append((now, self.row, emitted))
-                self._left = [*self._left[-MOST_TOLD:], emitted]
-
-    def _listen(self, poses: bool) -> None:
-        """Put what has arrived into buffers, and `poses` too, in the order in which it was said."""
-        waiting, self._waiting = sorted(self._waiting, key=itemgetter(0, 1)), []
-        for stamp, row, emitted in waiting:
-            under_way = row == self.row and stamp + self._delay > self._decided_at
-            if under_way or (emitted.buffer == POSE_BUFFER and not poses):
-                self._waiting.append((stamp, row, emitted))
-            else:
-                self._put(row, *emitted)
-
-    def _forget(self) -> None:
-        """Forget poses that were heard too long ago."""
-        remembered = self.worlds.now - self._heard_at <= self.mission.delivery.pose_memory + CLOCK_TOLERANCE
-        table, others = self.worlds.minds.poses.row_table, self._others
-        table[others, c.ROW_POSES] = np.minimum(table[others, c.ROW_POSES], remembered[others].sum(axis=1))
-
-    def _put(self, row: int, name: str, gradient: Gradient) -> None:
-        """Put a gradient that a robot spread into the poses, or a buffer that knows its channel and has room.
-
-        A pose that is as old as those that are forgotten does not count.
-        """
-        if name == POSE_BUFFER:
-            recent = self.worlds.now - gradient.stamp <= self.mission.delivery.pose_memory + CLOCK_TOLERANCE
-            if recent and self.worlds.minds.poses.set_gradient(row, gradient):
-                self._heard_at[row] = self.worlds.now, self._heard_at[row, 0]
-            return
-        buffer = self._buffers.get(name)
-        if buffer is None or gradient.channel not in buffer.channels or len(buffer) >= MOST_HEARD:
-            self.ear.refused["channel or room"] += 1
-            return
-        known = {key: value for key, value in gradient.payload.items() if key in buffer.keys}
-        own = replace(gradient, source=row, payload=known)
-        buffer.receive(own, max(gradient.stamp, self._decided_at), row=self.row)
 
     def _thinking_steps(self) -> list[Step]:
         return [*self.worlds.steps_of(STARTING, STARTING), *self.worlds.steps_of(SENSE, DECIDE)]
@@ -344,12 +274,3 @@ def known_alone(mission: MissionConfig) -> MissionConfig:
     if alone.own_contents:
         raise DocumentError(f"mission {mission.name}: expected walls and zones that let messages pass, got others")
     return alone
-
-
-def is_possible(gradient: Gradient, latest: float) -> bool:
-    """Return whether all fields of a gradient in the plane are possible, and it is of `latest` [s] or before."""
-    try:
-        check_gradient(gradient, 2)
-    except ValueError:
-        return False
-    return gradient.stamp <= latest
