@@ -52,6 +52,7 @@ class MachineDecider(OptionDecider):
         if probing is not None:
             content = machine.model_dump() | {"probing": probing.model_dump()}
             machine = validated(StateMachine, content, "machine", own=True)
+        machine = machine.for_goal(problem.goal)
         machine.check_fits(problem, "machine")
         names, states = list(machine.states), list(machine.states.values())
         self._first = names.index(machine.start)

@@ -26,6 +26,10 @@ BESIDE = {Steer.__name__, HandOver.__name__}
 """Types of the actions that robots do beside what other behaviours command."""
 
 
+DECLARED_BY = {"fact": "; the robots' document declares facts, under `facts`"}
+"""Kind of what a configuration may name -> end of the message where there is none of the name."""
+
+
 class ActingBehaviourSpec(BehaviourSpec):
     """A behaviour with its actions."""
 
@@ -181,4 +185,4 @@ class ConfigurationSpec(ActingNetworkSpec[SensorSpec, ActingBehaviourSpec]):
 def must_know(what: str, name: str, known: Mapping[str, object], where: str) -> None:
     """Raise ValueError for a name that is not among the `known`."""
     if name not in known:
-        raise ValueError(f"{where}: {unknown(what, name, sorted(known))}")
+        raise ValueError(f"{where}: {unknown(what, name, sorted(known))}{DECLARED_BY.get(what, '')}")

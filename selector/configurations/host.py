@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from selector.configurations.configuration import ActingNetworkSpec
+from selector.configurations.configuration import DECLARED_BY, ActingNetworkSpec
 from selector.documents.errors import DocumentError
 from selforg.components import FactRule, RobotMemory, SharedFact, Surroundings
 from selforg.components.actions import Call
@@ -60,7 +60,7 @@ class Host:
         for what, (names, known) in named.items():
             for name in names:
                 if name not in known:
-                    raise DocumentError(f"{where}: {unknown(what, name, sorted(known))}")
+                    raise DocumentError(f"{where}: {unknown(what, name, sorted(known))}{DECLARED_BY.get(what, '')}")
         kinds = self.memory.kinds
         for name, kind in configuration.expects.items():
             if name not in kinds:

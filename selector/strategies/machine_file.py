@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 
 from selector.documents.arrays import check_known
 from selector.documents.errors import DocumentError, impossible
-from selector.documents.fields import Closed, JointName, Name, Number, Share
+from selector.documents.fields import JOINT, Closed, JointName, Name, Number, Share
 from selector.documents.find import load_file
 from selector.strategies.probing import Probing
 from selector.strategies.problem import Problem, unknown_component
@@ -92,10 +92,26 @@ class StateMachine(Closed):
         """All transitions."""
         return [way for state in self.states.values() for way in state.transitions]
 
+    def for_goal(self, goal: str) -> Self:
+        """Return the machine with joint goals, and the parts of its options, in the order that `goal` has them in."""
+        own, wanted = self.goal.split(JOINT), goal.split(JOINT)
+        if self.goal == goal or sorted(own) != sorted(wanted):
+            return self
+        places = [own.index(name) for name in wanted]
+
+        def ordered(option: str) -> str:
+            names = option.split(JOINT)
+            return JOINT.join(names[k] for k in places) if len(names) == len(places) else option
+
+        content = self.model_dump(exclude_unset=True) | {"goal": goal}
+        for choice in (*content["states"].values(), content.get("probing", {})):
+            choice |= {"option": ordered(choice["option"])} if choice.get("option") else {}
+        return self.model_validate(content)
+
     def check_fits(self, problem: Problem, where: str) -> None:
         """Raise DocumentError unless goal, options and components are those of a problem."""
         if self.goal != problem.goal:
-            raise DocumentError(f"{where}: goal: expected {problem.goal}, got {self.goal}")
+            raise DocumentError(f"{where}: made to decide {self.goal}, got {problem.goal} to decide")
         check_known(where, "options", problem.options, tuple(state.option for state in self.states.values()))
         for way in self.ways:
             if way.when is not None and way.when not in problem.features:

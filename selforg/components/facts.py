@@ -5,7 +5,7 @@ gradients: docs/decisions/0225-facts-are-gradients.md.
 """
 
 from dataclasses import dataclass
-from typing import Annotated, Any, Final, NamedTuple
+from typing import Annotated, Any, ClassVar, Final, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -55,19 +55,20 @@ class FactRule:
     view_distance: float = np.inf
     scale: AtLeastZero = 1.0
     means: str = ""
+    __pydantic_config__: ClassVar = {"allow_inf_nan": True}  # of `view_distance`, where a task is validated
 
     def __post_init__(self) -> None:
         """Check what no single field says."""
         if self.keep not in ("newest", "largest"):
             raise ValueError(f"keep: expected newest or largest, got {self.keep!r}")
         check_fields(0, self.diffusion, 0.0, self.evaporation_factor, self.evaporation_period, 0.0)
-        for name, least in (
-            ("diffusion", SHARED_FACTS.min_diffusion),
-            ("view_distance", 0.0),
-            ("scale", 1.0 / LARGEST),
+        for name, least, most in (
+            ("diffusion", SHARED_FACTS.min_diffusion, LARGEST),
+            ("view_distance", 0.0, np.inf),
+            ("scale", 1.0 / LARGEST, LARGEST),
         ):
-            if not getattr(self, name) >= least:
-                raise ValueError(f"{name}: expected at least {least:g}, got {getattr(self, name):g}")
+            if not least <= getattr(self, name) <= most:
+                raise ValueError(f"{name}: expected {least:g} to {most:g}, got {getattr(self, name):g}")
 
 
 class Hearing(NamedTuple):

@@ -15,7 +15,7 @@ def test_a_task_below_cleaning_is_asked_in_each_tick_what_its_robots_notice(monk
     class Tiring(Cleaning):
         """Cleaning by robots that notice that they are tired."""
 
-        notices = {"tired": FactRule(means="that it is tired", view_distance=5.0)}  # noqa: RUF012
+        notices = {"tired": FactRule(means="that it is tired")}  # noqa: RUF012
 
         def noticed(self):
             asked.append(self.world.now)

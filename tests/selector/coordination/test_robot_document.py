@@ -145,14 +145,17 @@ def test_conditions_that_exclude_each_other_may_be_optional_or_count_a_little(co
             "facts.two lines.[key]: expected up to 100 letters, digits and -_. beginning and ending",
         ),
         (facts(**{f"f{k}": {} for k in range(17)}), "facts: expected at most 16 "),
-        (telling({"type": "Tell", "fact": "window"}), "networks.tell: unknown fact 'window' (known: door)"),
+        (
+            telling({"type": "Tell", "fact": "window"}),
+            "networks.tell: unknown fact 'window' (known: door); the robots'",
+        ),
         (
             telling({"type": "Tell", "fact": "door", "value": float("inf")}),
             "Tell.value: expected a finite number, got inf",
         ),
         (
             changed("networks", "robot", "sensors", "told", to={"type": "Heard", "fact": "door"}),
-            "networks.robot: sensors.told.fact: unknown fact 'door' (known: none)",
+            "networks.robot: sensors.told.fact: unknown fact 'door' (known: none); the robots' document declares facts",
         ),
         (
             changed("networks", "robot", "sensors", "far", to={"type": "Lidar"}),

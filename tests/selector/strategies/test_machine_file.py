@@ -31,6 +31,19 @@ def test_a_machine_is_read(tmp_path):
     machine.check_fits(Problem("Goal", ("a", "b"), np.zeros(2), ("crowd",)), "here")
 
 
+def test_goals_are_taken_by_name_in_any_order(tmp_path):
+    probing = {"robots": 1, "option": "b+Walk", "until": "crowd"}
+    states = {"calm": {"option": "a+Patrol"}, "odd": {"option": "a"}}
+    joint = {"goal": "Avoid+Explore", "start": "calm", "states": states, "probing": probing}
+    machine = load_machine(written(tmp_path, joint))
+    turned = machine.for_goal("Explore+Avoid")
+    assert (turned.goal, turned.probing.option) == ("Explore+Avoid", "Walk+b")
+    assert [state.option for state in turned.states.values()] == ["Patrol+a", "a"]
+    assert turned.for_goal("Avoid+Explore") == machine
+    for goal in ("Avoid+Explore", "Avoid+Walk", "Avoid"):
+        assert machine.for_goal(goal) is machine
+
+
 @pytest.mark.parametrize(
     ("key", "way", "line"),
     [
@@ -75,7 +88,10 @@ def test_a_start_and_a_state_are_needed(tmp_path, changes, line):
 @pytest.mark.parametrize(
     ("problem", "line"),
     [
-        (Problem("Other", ("a", "b"), np.zeros(2), ("crowd",)), "here: goal: expected Other, got Goal"),
+        (
+            Problem("Other", ("a", "b"), np.zeros(2), ("crowd",)),
+            "here: made to decide Goal, got Other to decide",
+        ),
         (Problem("Goal", ("a", "c"), np.zeros(2), ("crowd",)), "here: options: .*b"),
         (Problem("Goal", ("a", "b"), np.zeros(2), ("crowds",)), "here: unknown component 'crowd'"),
     ],
