@@ -100,7 +100,7 @@ class Move(Action):
     def _leaving(self, rows: Rows) -> Iterator[Step]:
         for one in (*self.source.parts, self.source):
             if isinstance(one, MovementSource) and isinstance(one.mechanism, DepositingMechanism):
-                yield from one.mechanism.depositing(rows)
+                yield from one.mechanism.spreader.depositing(rows)
 
 
 @lean_kernel
@@ -195,7 +195,7 @@ class Spread(Action):
 
     def steps(self, rows: Rows, started: Rows, commands: Commands) -> list[Step]:
         own = type(self).leave is not Spread.leave or is_own(type(self.mechanism))
-        return super().steps(rows, started, commands) if own else self.mechanism.spreading(rows)
+        return super().steps(rows, started, commands) if own else self.mechanism.spreader.depositing(rows)
 
 
 @ACTIONS.register

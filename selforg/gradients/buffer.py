@@ -7,7 +7,6 @@ import numpy as np
 import numpy.typing as npt
 
 from selforg.arrays import Floats, Ints
-from selforg.compiler.records import Packed
 from selforg.gradients.contents import TeamContents, put_team_contents, team_contents
 from selforg.gradients.delivery import Delivery, Mail, address
 from selforg.gradients.gradient import Gradient, check_fields, check_gradient, check_places, require
@@ -15,10 +14,8 @@ from selforg.gradients.poses import OwnPoses
 from selforg.gradients.rows import Codes, read_gradient, set_times, write_gradient
 from selforg.gradients.settings import BufferSettings
 from selforg.gradients.store import columns as c
-from selforg.gradients.store.records import Left
-from selforg.gradients.store.storing import clear_space, deposit_rows, evaporate_space, has_listener, store_rows
+from selforg.gradients.store.storing import clear_space, evaporate_space, store_rows
 from selforg.gradients.store.tables import Tables
-from selforg.program import LEAVE, Rows, Step
 from selforg.space import Space
 
 MOST_STALE_PAYLOADS = 1024
@@ -147,32 +144,6 @@ class SoBuffer:
     def tell_deposits(self, told: Callable[[Ints, Floats, Ints], None] | None) -> None:
         """Tell a function, or nobody any more, who leaves what: rows (R,), message and tag."""
         self.on_deposit, self.table.record.counters[c.COUNTER_LISTENED] = told, told is not None
-
-    def depositing(self, rows: Rows, left: Packed[Left]) -> list[Step]:
-        """Return the steps of a program that spread a copy of what is `left` from the own pose of `rows`."""
-        table, message, tag = self.table, left.record.message[0], left.record.tag[0]
-
-        def tell(now: float, rows: Ints, _: int) -> None:
-            if self.on_deposit is not None and not tag[c.TAG_MOVING]:
-                self.on_deposit(rows, message, tag)
-
-        def make_room(now: float, rows: Ints, _: int) -> None:
-            table.reserve(len(rows))
-            deposit_rows(now, rows, left.handle, self.poses.packed.handle, table.packed.handle)
-
-        telling = Step(LEAVE, tell, rows, has_listener, (table.packed,))
-        if self.shared and self.sent is None:
-            return [telling, Step(LEAVE, make_room, rows, deposit_rows, (left, self.poses.packed, table.packed))]
-        return [telling, Step(LEAVE, lambda now, leaving: self._spread_copies(leaving, message, tag, now), rows)]
-
-    def _spread_copies(self, rows: Ints, message: Floats, tag: Ints, now: float) -> None:
-        """Spread a copy of `message` (MESSAGE_COLUMNS,), `tag` (TAG_COLUMNS,) from the own pose of `rows` (R,)."""
-        rows = rows[self.poses.known[rows]]
-        messages, tags = np.repeat(message[None], len(rows), axis=0), np.repeat(tag[None], len(rows), axis=0)
-        messages[:, c.X : c.X + 3] = self.poses.own[rows, 0, c.X : c.X + 3]
-        set_times(messages, now)
-        tags[:, c.TAG_SOURCE] = rows
-        self.spread(messages, tags, now)
 
     def deliver(self, now: float) -> None:
         """Store the messages that are due at `now` [s]; call it before the rows look. Does nothing without a delay."""

@@ -16,7 +16,7 @@ from selforg.mechanisms.following import AvoidAll, FollowMinReach
 from selforg.mechanisms.formula import FormulaMechanism
 from selforg.mechanisms.movement import REFLECT
 from selforg.mechanisms.spreading import Carried, Spreader
-from selforg.program import Program, Rows, Step
+from selforg.program import Program, Rows
 
 
 @dataclass(frozen=True)
@@ -38,12 +38,16 @@ class Pheromone:
 
 
 class DepositingMechanism(FormulaMechanism):
-    """A movement mechanism that also deposits: call `deposit` after `move`, which must not see it in the same tick."""
+    """A movement mechanism that also deposits: call `deposit` after `move`, which must not see it in the same tick.
+
+    Attributes:
+        spreader: gives the steps of a program that do as `deposit` does.
+
+    """
 
     def __init__(self, buffer: SoBuffer, *, pheromone: Pheromone, **options: Unpack[SpeedOptions]) -> None:
         super().__init__(buffer, **options)
-        self.pheromone = pheromone
-        self._spreader = Spreader(self.buffer, Carried(key="", moving=False, **vars(pheromone)))
+        self.spreader = Spreader(self.buffer, Carried(key="", moving=False, **vars(pheromone)))
 
     @final
     def deposit(self, now: float, rows: npt.NDArray[np.integer] | None = None) -> None:
@@ -52,12 +56,7 @@ class DepositingMechanism(FormulaMechanism):
         Rows without a pose leave none.
         """
         chosen: Ints = np.arange(self.poses.rows) if rows is None else np.ascontiguousarray(rows, dtype=np.int64)
-        Program(lambda: self.depositing(Rows.of(chosen))).run(float(now))
-
-    @final
-    def depositing(self, rows: Rows) -> list[Step]:
-        """Return the steps of a program that do as `deposit` does."""
-        return self._spreader.depositing(rows)
+        Program(lambda: self.spreader.depositing(Rows.of(chosen))).run(float(now))
 
 
 @MECHANISMS.register

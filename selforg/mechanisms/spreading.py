@@ -14,8 +14,9 @@ from selforg.gradients.gradient import check_fields
 from selforg.gradients.rows import set_times
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Left
+from selforg.gradients.store.storing import deposit_rows, has_listener
 from selforg.mechanisms.base import MECHANISMS, Mechanism
-from selforg.program import Program, Rows, Step
+from selforg.program import LEAVE, Program, Rows, Step
 
 
 @dataclass(frozen=True)
@@ -72,43 +73,65 @@ class Spreader:
         """Spread from `rows` (R,) that know their pose; values (R,) to carry, diffusions (R,) [m] of their own."""
         if len(rows) == 0:
             return
-        buffer = self._buffer
-        messages, tags = self.blank(len(rows))
-        messages[:, c.X : c.X + 3] = buffer.poses.own[rows, 0, c.X : c.X + 3]
-        set_times(messages, now)
-        tags[:, c.TAG_SOURCE] = rows
+        messages, tags = self._copies(now, rows)
         if values is not None:
             messages[:, c.MESSAGE_FAR + c.FAR_VALUE] = values
         if diffusions is not None:
             messages[:, c.DIFFUSION] = diffusions
-        elif buffer.on_deposit is not None and not self.carried.moving:
-            buffer.on_deposit(rows, messages[0], tags[0])
-        buffer.spread(messages, tags, now)
+        else:
+            self._tell(now, rows)
+        self._buffer.spread(messages, tags, now)
+
+    def _copies(self, now: float, rows: Ints) -> tuple[Floats, Ints]:
+        """Return messages and tags from `rows` (K,) that know their pose."""
+        messages, tags = self.blank(len(rows))
+        messages[:, c.X : c.X + 3] = self._buffer.poses.own[rows, 0, c.X : c.X + 3]
+        set_times(messages, now)
+        tags[:, c.TAG_SOURCE] = rows
+        return messages, tags
+
+    def _tell(self, now: float, rows: Ints, _: int = 1) -> None:
+        """Tell whoever listens that `rows` (K,) leave it."""
+        if self._buffer.on_deposit is not None and not self.carried.moving:
+            self._buffer.on_deposit(rows, self._messages[0], self._tags[0])
 
     def blank(self, count: int) -> tuple[Floats, Ints]:
         """Return messages (count, MESSAGE) and tags (count, TAG) that say neither who spreads it nor when and where."""
         return np.repeat(self._messages, count, axis=0), np.repeat(self._tags, count, axis=0)
 
     def depositing(self, rows: Rows) -> list[Step]:
-        """Return the steps that leave it at the newest pose of each of `rows`; rows without a pose leave none."""
-        return self._buffer.depositing(rows, self._left)
+        """Return the steps of a program that leave it at the newest pose of each of `rows`; without a pose nothing."""
+        buffer, table, poses = self._buffer, self._buffer.table, self._buffer.poses
+
+        def make_room(now: float, rows: Ints, _: int) -> None:
+            table.reserve(len(rows))
+            deposit_rows(now, rows, self._left.handle, poses.packed.handle, table.packed.handle)
+
+        def spread(now: float, rows: Ints) -> None:
+            buffer.spread(*self._copies(now, rows[poses.known[rows]]), now)
+
+        telling = Step(LEAVE, self._tell, rows, has_listener, (table.packed,))
+        if buffer.shared and buffer.sent is None:
+            return [telling, Step(LEAVE, make_room, rows, deposit_rows, (self._left, poses.packed, table.packed))]
+        return [telling, Step(LEAVE, spread, rows)]
 
 
 @MECHANISMS.register
 class SpreadGradient(Mechanism):
-    """Spreads a configured gradient at the robot; it neither moves nor decides."""
+    """Spreads a configured gradient at the robot; it neither moves nor decides.
+
+    Attributes:
+        spreader: gives the steps of a program that do as `spread` does.
+
+    """
 
     example: ClassVar[Mapping[str, Any]] = {"carried": Carried("beacon")}
 
     def __init__(self, buffer: SoBuffer, *, carried: Carried) -> None:
         super().__init__(buffer)
-        self._spreader = Spreader(buffer, carried)
+        self.spreader = Spreader(buffer, carried)
 
     def spread(self, now: float, rows: npt.NDArray[np.integer] | None = None) -> None:
         """Spread it from each of `rows` (R,) (None: all) that knows its pose, at `now` [s]."""
         chosen: Ints = np.arange(self.poses.rows) if rows is None else np.ascontiguousarray(rows, dtype=np.int64)
-        Program(lambda: self.spreading(Rows.of(chosen))).run(float(now))
-
-    def spreading(self, rows: Rows) -> list[Step]:
-        """Return the steps of a program that do as `spread` does."""
-        return self._spreader.depositing(rows)
+        Program(lambda: self.spreader.depositing(Rows.of(chosen))).run(float(now))

@@ -89,7 +89,7 @@ class Movers:
             else:
                 steps += mechanism.moving(COMMANDING, rows, moved)
             if isinstance(mechanism, Patrol):
-                steps += [step._replace(stage=AFTER_ACTING) for step in mechanism.depositing(rows)]
+                steps += [step._replace(stage=AFTER_ACTING) for step in mechanism.spreader.depositing(rows)]
         return steps
 
     def _go_to_items(self, now: float, rows: Ints, commands: Commands) -> None:
