@@ -142,10 +142,6 @@ class StagedTask(TaskKind, ABC):
     def renew(self, rows: Ints) -> None:
         """Forget what happened to the robots in `rows` (K,), which begin anew."""
 
-    def start_tick(self) -> Ints | None:
-        """Start a control period; return the rows (K,) that decide in it, None for all: those at work unless you do."""
-        return self.world.team.at_work
-
     def sense(self) -> None:
         """Show things that move where they are now, before robots sense."""
         if any(thing.moves for thing in self.around):

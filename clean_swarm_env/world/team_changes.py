@@ -62,13 +62,8 @@ class Team:
         self.able = Rows.of(np.arange(minds.rows))
         self.packed = Packed(AtWork(self.working, *self.able))
 
-    @property
-    def at_work(self) -> Ints:
-        """The rows (K,) that work."""
-        return np.flatnonzero(self.working)
-
     def starting(self) -> Step:
-        """Return the step that lets all robots at work decide in a tick."""
+        """Return the step that lets all robots at work decide in a tick; a later step of STARTING may list fewer."""
         rows = Rows.of(np.arange(len(self.working)))
         return Step(STARTING, list_working, rows, list_working, (self.packed,))
 

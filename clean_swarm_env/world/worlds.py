@@ -23,7 +23,6 @@ from clean_swarm_env.world.floor import Floor
 from clean_swarm_env.world.minds import Minds
 from clean_swarm_env.world.mission_end import tick_limit
 from clean_swarm_env.world.parts.things import WorldStart
-from clean_swarm_env.world.staged import StagedTask
 from clean_swarm_env.world.states import KeptStates, WorldState
 from clean_swarm_env.world.task import Task, task_class
 from clean_swarm_env.world.team_changes import Team
@@ -40,7 +39,6 @@ from selforg.program import (
     FOLLOW,
     LEAD,
     SENSE,
-    STARTING,
     Program,
     Rows,
     Step,
@@ -251,7 +249,7 @@ class Worlds:
         minds, task, commands, working = self.minds, self.task, self.minds.commands, self.team.working[:, None]
         return [
             self.agendas.coming(),
-            self._starting(),
+            self.team.starting(),
             *minds.beginning(self.physics),
             Step(LEAD, lambda now, _: commands.clear(), Rows.of(self._all)),
             self.clock.advancing(),
@@ -264,18 +262,6 @@ class Worlds:
             Step(FOLLOW, lambda now, _: minds.follow(self._driven, self.team.working), self._driving),
             *self.floor.moving(commands.packed),
         ]
-
-    def _starting(self) -> Step:
-        """Return the step that lists the robots that decide in a tick: those at work, unless the task says others."""
-        task, able = self.task, self.team.able
-        if type(task).start_tick is StagedTask.start_tick:
-            return self.team.starting()
-
-        def start(now: float, rows: Ints) -> None:
-            chosen = task.start_tick()
-            able.fill(rows if chosen is None else chosen)
-
-        return Step(STARTING, start, Rows.of(self._all))
 
 
 def bind_options(mission: MissionConfig, coordinators: Sequence[Coordinator], worlds: int) -> None:

@@ -30,17 +30,6 @@ def _by_name(answer: Any, count: int, most_axes: int = 1) -> bool:  # noqa: ANN4
     )
 
 
-def _rows(task: Any, answer: Any) -> bool:  # noqa: ANN401
-    """Return whether rows are those of robots at work, as kernels take them."""
-    return answer is None or (
-        isinstance(answer, np.ndarray)
-        and (answer.ndim, answer.dtype, answer.flags.c_contiguous) == (1, np.int64, True)
-        and bool((np.diff(answer, prepend=-1) > 0).all())
-        and bool((answer < task.world.rows).all())
-        and bool(task.world.team.working[answer].all())
-    )
-
-
 def _places(task: Any, *_: Any) -> bool:  # noqa: ANN401
     """Return whether robots and things are somewhere."""
     world = task.world
@@ -160,7 +149,6 @@ TASK_PROMISES: Final[Promises] = {
             ),
         ),
     ),
-    "start_tick": ("None, or rows of robots at work, in rising order, as a whole array of int64 (K,)", _rows),
     **dict.fromkeys(
         ("headline", "cost_words", "kind_of"), ("a text", lambda task, answer, *_: isinstance(answer, str))
     ),

@@ -129,11 +129,6 @@ WRONG = {
         lambda self: None, lambda self: [1], lambda self: {"carrying": np.zeros(3)},
         lambda self: {"carrying": np.full(self.world.rows, np.nan)},
     ],
-    "start_tick": [
-        lambda self: np.array([99]), lambda self: np.array([-1]), lambda self: np.array([0.0]), lambda self: [0, 1],
-        lambda self: np.array([[0, 1]]), lambda self: np.array([1, 0]), lambda self: np.array([1, 1]),
-        lambda self: np.array([True]), lambda self: np.array([0], dtype=np.int32), lambda self: np.arange(4)[::2],
-    ],
     "command": [lambda self, commands: put(commands.vectors, np.inf)],
     "bend": [
         lambda self, commands: put(commands.vectors, np.nan, 0),
