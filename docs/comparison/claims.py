@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from selforg.arrays import Floats
-from train.analysis.flips import TAIL, fewest
+from train.analysis.flips import TAIL
 from train.analysis.intervals import Interval, Ratio, corrected_ps
 
 ANY_RATIO = (0.0, float("inf"))
@@ -68,17 +68,6 @@ def claims_of(
     return [
         Claim(*names, one, one.interval(tail) or ANY_RATIO, p) for names, one, p in zip(asked, ratios, ps, strict=True)
     ]
-
-
-def too_few(scenarios: int, tests: int) -> tuple[str, ...]:
-    """Return the line below a table whose scenarios are too few for its comparisons; none where they are enough.
-
-    >>> too_few(2, 1)
-    ('2 scenarios: no statement; 6 or more are needed',)
-
-    """
-    line = f"{scenarios} scenario{'s' * (scenarios != 1)}: no statement; {fewest(tests)} or more are needed"
-    return (line,) if scenarios < fewest(tests) else ()
 
 
 def interval_cell(ci95: tuple[float, float] | None, digits: int = 3) -> str:

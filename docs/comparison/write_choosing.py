@@ -18,7 +18,6 @@ from selector.documents.errors import validated
 from selector.documents.reading import read_mapping
 
 OWN = Path(__file__).resolve().with_name("choosing.yaml")
-DOCS = ROOT / "docs"
 COMMAND = "python -m docs.comparison.write_choosing"
 JUDGE = "--judge"
 

@@ -1,7 +1,8 @@
-"""Puts the steps of a tick, and the records, into ARCHITECTURE.md: `python -m docs.figures.update_architecture`."""
+"""Puts layers, steps of a tick and records into ARCHITECTURE.md: `python -m docs.figures.update_architecture`."""
 
 import inspect
 import re
+import tomllib
 from collections import Counter
 from importlib import import_module
 
@@ -11,6 +12,25 @@ from selforg.program import Step
 
 PAGE = ROOT / "ARCHITECTURE.md"
 PACKAGES = ("selforg", "selector", "clean_swarm_env", "train")
+"""From the bottom up."""
+
+
+def layers() -> str:
+    """Return the packages from the top down, each with the layers of its contract in `pyproject.toml`."""
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    contracts = settings["tool"]["importlinter"]["contracts"]
+    inside = {name: one["layers"] for one in contracts for name in one.get("containers", ())}
+    lines = [
+        f"| `{name}` | {' > '.join(inside[name]).replace(' |', ',').replace(' :', ',')} |"
+        for name in reversed(PACKAGES)
+    ]
+    return "\n".join(
+        [
+            "| package, from the top | its layers, from the top; a comma stands between those beside each other |",
+            "|---|---|",
+            *lines,
+        ]
+    )
 
 
 def record_modules() -> list[str]:
@@ -65,8 +85,8 @@ def where(step: Step) -> tuple[str, str, str]:
 
 
 def updated(text: str) -> str:
-    """Return the text of the page with the steps of a tick and the records of the code."""
-    return put(put(text, "steps", steps()), "records", records())
+    """Return the text of the page with the layers, the steps of a tick and the records of the code."""
+    return put(put(put(text, "layers", layers()), "steps", steps()), "records", records())
 
 
 if __name__ == "__main__":

@@ -1,10 +1,8 @@
-"""A page for each name that `clean-swarm list` shows, from the registries, the files and the tables of the pages."""
+"""A page for each name that `clean-swarm list` shows, from the registries and the files."""
 
 import json
 from collections.abc import Callable, Iterator
-from pathlib import Path
 
-from docs.site.measured import anchor, rows_about
 from docs.site.spaces import started, worlds
 from docs.site.stage import ORPHAN, ROOT, Stage
 from docs.site.texts import cell, code, described, table
@@ -35,12 +33,6 @@ CALLED = {
     "starts": ("Start configurations", "start configurations"),
 }
 """Kind -> title of the page that lists its names, and what one of them is, in the order of the menu."""
-MEASURED = {"tasks", "missions", "families", "mechanisms", "mechanism-classes", "strategy-classes", "policies", "terms"}
-"""Kinds whose names begin rows of tables."""
-PICTURES = {
-    "three-rooms": "three-rooms.png", "silent-zone": "silent-zone.png", "scouts": "scouts.png", "table1": "world.png",
-}  # fmt: skip
-"""Mission -> its picture in docs/pictures."""
 COMMANDS = {
     "experiments": "clean-swarm evaluate {name} --scenarios 2",
     "knowledge": "clean-swarm evaluate table1 --knowledge {name} --strategy MaxScore --scenarios 2",
@@ -74,7 +66,6 @@ def page(stage: Stage, kind: str, name: str, line: str) -> str:
     title, one = CALLED[kind]
     parts = [f"# {name}", f"*{one[0].upper()}{one[1:]}; [all {title.lower()}](index.md).*"]
     parts += SECTIONS.get(kind, by_file)(stage, kind, name, line)
-    parts += measured(stage, kind, name) if kind in MEASURED else []
     parts += file_of(stage, kind, name) if kind in KINDS else []
     return "\n\n".join(parts) + "\n"
 
@@ -90,20 +81,11 @@ def by_file(_stage: Stage, kind: str, name: str, line: str) -> Iterator[str]:
 def by_world(stage: Stage, kind: str, name: str, line: str) -> Iterator[str]:
     """Yield story, picture, ways to start, spaces, rewards and measures of what is a world."""
     yield sentence(line)
-    picture = picture_of(kind, name)
-    if picture is not None and picture.exists():
-        yield stage.linked(f"![{name}: {cell(line)}]({picture.as_posix()})", ROOT / "x.md", f"names/{kind}/{name}.md")
+    loop = ROOT / "docs" / "pictures" / "loops" / f"{name}.webp"
+    if kind != "families" and loop.exists():
+        yield stage.linked(f"![{name}: {cell(line)}]({loop.as_posix()})", ROOT / "x.md", f"names/{kind}/{name}.md")
     yield from started(kind, name)
     yield from worlds(kind, name)
-
-
-def picture_of(kind: str, name: str) -> Path | None:
-    """Return the loop of a task or a mission, else the picture of a mission."""
-    pictures = ROOT / "docs" / "pictures"
-    loop = pictures / "loops" / f"{name}.webp"
-    if kind == "families":
-        return None
-    return loop if loop.exists() else pictures / PICTURES[name] if name in PICTURES else None
 
 
 def by_class(_stage: Stage, kind: str, name: str, line: str) -> Iterator[str]:
@@ -186,18 +168,6 @@ SECTIONS: dict[str, Callable[[Stage, str, str, str], Iterator[str]]] = {
     "strategy-classes": by_class, "mechanism-classes": by_class, "terms": by_term,
     "knowledge": by_options, "mechanisms": by_configuration, "policies": by_policy,
 }  # fmt: skip
-
-
-def measured(stage: Stage, kind: str, name: str) -> Iterator[str]:
-    """Yield the rows about a name of the tables of all pages, each with a link to its page."""
-    found = rows_about(name)
-    if found:
-        yield "## What the pages say of it"
-    for rows in found:
-        target = f"{rows.page.relative_to(ROOT).as_posix()}#{anchor(rows.heading)}"
-        text = "\n".join((rows.head, *rows.rows))
-        yield stage.linked(f"From [{rows.heading}]({target}):", ROOT / "x.md", f"names/{kind}/{name}.md")
-        yield stage.linked(text, rows.page, f"names/{kind}/{name}.md")
 
 
 def file_of(stage: Stage, kind: str, name: str) -> Iterator[str]:

@@ -58,18 +58,18 @@ def test_the_api_shows_every_export(stage):
 def test_links_lead_to_the_same_places(tmp_path):
     stage, page = Stage(tmp_path), ROOT / "docs" / "play.md"
     text = (
-        "[a](../ARCHITECTURE.md#layers) [b\nc](decisions/README.md) ![d](pictures/world.png) "
+        "[a](../ARCHITECTURE.md#layers) [b\nc](decisions/README.md) ![d](pictures/scouts.png) "
         "[e](../examples/own_task.py)\n"
         "[f](replays/scouts.html) [g](https://example.org) [h](#here) [i](../examples/plugin)\n\n"
         "```python\n[x](../ARCHITECTURE.md)\n```\n"
     )
     linked = stage.linked(text, page)
     assert linked == (
-        "[a](ARCHITECTURE.md#layers) [b\nc](decisions/README.md) ![d](pictures/world.png) [e](examples/own_task.py)\n"
+        "[a](ARCHITECTURE.md#layers) [b\nc](decisions/README.md) ![d](pictures/scouts.png) [e](examples/own_task.py)\n"
         '<a href="replays/scouts.html">f</a> [g](https://example.org) [h](#here) [i](examples/plugin-files.md)\n\n'
         "```python\n[x](../ARCHITECTURE.md)\n```\n"
     )
-    assert {"pictures/world.png", "examples/own_task.py", "examples/plugin-files.md"} <= {
+    assert {"pictures/scouts.png", "examples/own_task.py", "examples/plugin-files.md"} <= {
         path.relative_to(tmp_path).as_posix() for path in stage.kept
     }
     assert stage.linked("[h](#here)", page, "names/tasks/A.md") == "[h](../../play.md#here)"

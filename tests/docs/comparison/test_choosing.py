@@ -141,7 +141,7 @@ def test_manifests_that_ship_name_what_there_is(name):
 def test_the_page_has_what_the_missions_that_are_kept_say():
     assert KEPT.stat().st_size < 300_000
     found = Tables(OWN, read_missions(KEPT, OWN)).tables()
-    page = (write_choosing.DOCS / "choosing.md").read_text(encoding="utf-8")
+    page = (write_choosing.ROOT / "docs" / "choosing.md").read_text(encoding="utf-8")
     assert {name: parts(page, name)[1] for name in found} == found
 
 

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from docs.comparison.claims import too_few
 from train.analysis.flips import fewest
 from train.analysis.intervals import TOLD, Ratio
 
@@ -25,15 +24,11 @@ def test_intervals_hold_the_truth_as_often_as_they_say_for_any_number_of_scenari
 
 
 @pytest.mark.parametrize("scenarios", range(1, FEWEST))
-def test_of_few_scenarios_nothing_is_said_but_how_many_are_needed(scenarios):
+def test_of_few_scenarios_nothing_is_said(scenarios):
     few = Ratio.of(*pairs(np.random.default_rng(7), scenarios, 6.58))
     assert few.p is None
-    (line,) = too_few(scenarios, 1)
-    assert line.startswith(f"{scenarios} scenario{'s' if scenarios > 1 else ''}: no statement; ")
-    assert line.endswith("6 or more are needed")
     enough = Ratio.of(*pairs(np.random.default_rng(7), FEWEST, 6.58))
     assert enough.p == 2 / 2**FEWEST
-    assert too_few(FEWEST, 1) == ()
 
 
 def test_so_many_scenarios_as_are_needed_tell_a_tenth_four_times_in_five():
