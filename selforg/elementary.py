@@ -160,12 +160,10 @@ def fill_logarithms(values: Floats, results: Floats) -> None:
 
 
 @kernel
-def unit_vectors(angles: Floats) -> tuple[Floats, Floats]:
-    """Return cosines and sines (M,) of `angles` (M,) [rad]."""
-    cosines, sines = np.empty(len(angles)), np.empty(len(angles))
+def fill_unit_vectors(angles: Floats, cosines: Floats, sines: Floats) -> None:
+    """Fill cosines and sines (M,) of `angles` (M,) [rad]."""
     for index in range(len(angles)):
         sines[index], cosines[index] = sine_cosine(angles[index])
-    return cosines, sines
 
 
 @kernel
@@ -175,6 +173,13 @@ def directions(vectors: Floats) -> Floats:
     for index in range(len(vectors)):
         angles[index] = direction(vectors[index, 1], vectors[index, 0])
     return angles
+
+
+def unit_vectors(angles: Floats) -> tuple[Floats, Floats]:
+    """Return cosines and sines (M,) of `angles` (M,) [rad]."""
+    cosines, sines = np.empty(len(angles)), np.empty(len(angles))
+    fill_unit_vectors(np.ascontiguousarray(angles, dtype=np.float64), cosines, sines)
+    return cosines, sines
 
 
 def exponentials(values: Floats) -> Floats:

@@ -15,11 +15,12 @@ from typing import Any, Generic, ParamSpec, TypeVar, cast
 
 import numba
 from numba.core import event
+from numba.core.dispatcher import Dispatcher
 from numba.extending import register_jitable
 
 from selforg.compiler.cache import KernelCache
 from selforg.compiler.parts import known_to_kernels
-from selforg.compiler.switches import COMPILED, LEAN, NUMPY_ERRORS, PLAIN
+from selforg.compiler.switches import BY_ADDRESS, COMPILED, LEAN, NUMPY_ERRORS, PLAIN
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -51,6 +52,16 @@ class WithoutCollector(event.Listener):
 
 
 event.register("numba:compile", WithoutCollector())  # type: ignore[no-untyped-call]
+
+
+class Kernel(Dispatcher):
+    """A kernel, which is a part of other kernels where these call it: it is then not compiled by itself as well."""
+
+    within: Any
+
+    @property
+    def _numba_type_(self) -> Any:  # noqa: ANN401
+        return self.within._numba_type_
 
 
 def kernel(function: Callable[P, R]) -> Callable[P, R]:
@@ -131,6 +142,9 @@ def template(called: Callable[..., Any]) -> Callable[[Callable[P, R]], Template[
 def compiled(function: Callable[P, R], options: dict[str, Any]) -> Callable[P, R]:
     """Compile `function`, or load the code that was compiled from the same contents."""
     dispatcher = numba.njit(**options)(function)
+    if BY_ADDRESS:
+        dispatcher.__class__ = Kernel
+        dispatcher.within = known_to_kernels(cast("FunctionType", function), options)
     dispatcher._cache = KernelCache(cast("FunctionType", function), options)
     KERNELS.setdefault(f"{function.__module__}.{function.__qualname__}", dispatcher)
     return cast("Callable[P, R]", dispatcher)

@@ -50,6 +50,7 @@ class Around(NamedTuple):
     neighbour: Annotated[Ints, "R", SCRATCH]  # row of the nearest other robot within the largest range, -1 without one
     heard: Annotated[Floats, "R OTHER", SCRATCH]  # what is known of it; its velocity is relative to that of the row
     within: Annotated[Ints, "R K", SCRATCH]  # number of other robots within each range
+    others: Annotated[Floats, "N OTHER", SCRATCH]  # room for what a row knows of the others
 
 
 open_around = opening(Around)

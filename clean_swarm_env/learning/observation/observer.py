@@ -140,6 +140,7 @@ def around_robots(worlds: Worlds, progress: MissionProgress, config: Observation
         neighbour=numbers(worlds.rows),
         heard=np.zeros((worlds.rows, OTHER_COLUMNS)),
         within=numbers(worlds.rows, len(config.neighbour_ranges)),
+        others=np.zeros((worlds.robots, OTHER_COLUMNS)),
     )
 
 

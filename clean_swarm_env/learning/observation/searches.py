@@ -8,7 +8,7 @@ import numpy as np
 
 from clean_swarm_env.learning.observation.around import Around, open_around
 from selforg.arrays import Ints
-from selforg.compiler.decorators import kernel, part
+from selforg.compiler.decorators import lean_kernel, part
 from selforg.compiler.records import Handle
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Poses, open_poses
@@ -24,7 +24,7 @@ from selforg.mechanisms.steering.base import (
 )
 
 
-@kernel
+@lean_kernel
 def search(around: Handle[Around], poses: Handle[Poses], chosen: Ints, rows: Ints) -> int:
     """Find neighbours of the robots in the worlds `chosen` (C,), and what they know of others.
 
@@ -48,25 +48,28 @@ def list_working(around: Handle[Around], chosen: Ints, rows: Ints) -> int:
     return count
 
 
-@kernel
+@part
 def find_heard(around: Handle[Around], poses: Handle[Poses], rows: Ints) -> None:
     """Find what each of `rows` (P,) knows of the nearest other robot in range, and count those within each range.
 
     What is known is of the time at which the row spread its own pose last.
     """
     a, p = open_around(around), open_poses(poses)
-    squares, others = a.ranges * a.ranges, np.empty((a.robots, OTHER_COLUMNS))
+    others, farthest = a.others, a.ranges[-1] * a.ranges[-1]
     for row in rows:
-        a.neighbour[row], a.within[row], shortest = -1, 0, np.inf
+        a.neighbour[row], shortest = -1, np.inf
+        for near in range(a.ranges.shape[0]):
+            a.within[row, near] = 0
         if p.rows[row, c.ROW_POSES] == 0:
             continue
         vx, vy = own_velocity(row, poses)
         for k in range(note_others(row, p.own[row, 0, c.POSE_STAMP], np.inf, others, poses)):
             square = others[k, OTHER_X] * others[k, OTHER_X] + others[k, OTHER_Y] * others[k, OTHER_Y]
-            for near in range(squares.shape[0]):
-                a.within[row, near] += square <= squares[near]
-            if square <= squares[-1] and square < shortest:
+            for near in range(a.ranges.shape[0]):
+                a.within[row, near] += square <= a.ranges[near] * a.ranges[near]
+            if square <= farthest and square < shortest:
                 shortest, a.neighbour[row] = square, int(others[k, OTHER_ROW])
-                a.heard[row] = others[k]
+                for column in range(OTHER_COLUMNS):
+                    a.heard[row, column] = others[k, column]
                 a.heard[row, OTHER_VX] -= vx
                 a.heard[row, OTHER_VY] -= vy
