@@ -16,7 +16,6 @@ from selforg.compiler.records import Packed, Written, opening
 from selforg.declared import arrays_of
 from selforg.space import nearest_image
 
-ALL_PAIRS_LIMIT: Final = 50  # robots in a world up to which looking at all pairs is cheaper than keeping a list
 UNLISTED: Final = -1  # number of listed pairs where there is no list
 PAIRS_A_ROBOT: Final = 8  # room in the list; in a world with more, all pairs are looked at
 
@@ -84,7 +83,7 @@ class CollisionCounter:
         # a robot has moved by half a reach.
         wider = np.full(rows, wider, dtype=np.float64)
         furthest = max(distances) + 2.0 * float(wider.max(initial=0.0))
-        shape = cells_along(robots if robots > ALL_PAIRS_LIMIT else 0, 2.0 * furthest, extent)
+        shape = cells_along(robots, 2.0 * furthest, extent)
         room = robots if shape[0] else 0
         self.packed: Packed[Counts] = Packed(
             Counts(

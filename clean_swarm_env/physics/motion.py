@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from clean_swarm_env.physics.cells import NOBODY, cell_at, cell_beside, fill_cells
+from clean_swarm_env.physics.collisions import Counts, list_holds
 from selforg.arrays import KEPT, READ, SCRATCH, Flags, Floats, Ints
 from selforg.compiler.decorators import inlined, lean_kernel
 from selforg.compiler.records import Handle, Written, opening
@@ -75,16 +76,28 @@ def wrapped_angle(angle: float) -> float:
 
 
 @inlined
-def touching(first: int, end: int, m: RobotMotion) -> bool:
-    """Return whether any two robots present in the rows first .. end - 1 touch."""
+def touch_each_other(i: int, j: int, m: RobotMotion) -> bool:
+    """Return whether the robots in two rows are present and touch."""
+    dx = nearest_image(m.positions[i, 0] - m.positions[j, 0], m.width)
+    if abs(dx) >= m.reach or not m.present[i] or not m.present[j]:
+        return False
+    dy = nearest_image(m.positions[i, 1] - m.positions[j, 1], m.height)
+    both = m.radii[i] + m.radii[j]
+    return bool(dx * dx + dy * dy < both * both)
+
+
+@inlined
+def touching(world: int, first: int, end: int, m: RobotMotion, c: Counts) -> bool:
+    """Return whether any two robots of a world, in the rows first .. end - 1, touch; looks at listed pairs only."""
+    if c.furthest >= m.reach * m.reach and list_holds(world, m.positions, m.present, c):
+        for index in range(c.listed[world]):
+            if touch_each_other(c.pairs[world, index, 0], c.pairs[world, index, 1], m):
+                return True
+        return False
     for i in range(first, end):
         for j in range(first, i):
-            dx = nearest_image(m.positions[i, 0] - m.positions[j, 0], m.width)
-            if abs(dx) < m.reach and m.present[i] and m.present[j]:
-                dy = nearest_image(m.positions[i, 1] - m.positions[j, 1], m.height)
-                both = m.radii[i] + m.radii[j]
-                if dx * dx + dy * dy < both * both:
-                    return True
+            if touch_each_other(i, j, m):
+                return True
     return False
 
 
@@ -128,13 +141,13 @@ def move(row: int, m: RobotMotion) -> None:
 
 
 @inlined
-def search_contacts(world: int, m: RobotMotion, walls: Handle[Walls]) -> bool:
+def search_contacts(world: int, m: RobotMotion, c: Counts, walls: Handle[Walls]) -> bool:
     """Set the patience of a world for the substep that begins; return whether it is in contact."""
     robots = m.parts.shape[0]
     first = world * robots
     if (
         m.search == ALWAYS_TOUCHING
-        or (m.search == SEARCH_PAIRS and touching(first, first + robots, m))
+        or (m.search == SEARCH_PAIRS and touching(world, first, first + robots, m, c))
         or (m.walls.shape[0] > 0 and touching_walls(first, first + robots, m, walls))
     ):
         m.patience[world] = m.settling

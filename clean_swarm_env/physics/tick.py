@@ -35,7 +35,7 @@ def go_on(
     """Run a world through its `left` substeps; return those left, of which Python has to run the first."""
     d, m, space = open_drive(drive), open_robot_motion(motion), NO_SPACE
     while left > 0:
-        contact = search_contacts(world, m, walls)
+        contact = search_contacts(world, m, open_counts(counts), walls)
         set_wanted(world, not contact, d.speed, d.turn_rate, m)
         if contact:
             push(world, m)
