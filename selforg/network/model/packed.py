@@ -74,8 +74,7 @@ class PackedModel(NamedTuple):
     sensor_wish: Annotated[Ints, "WISH", READ]  # wishes of behaviours by sensor
     sensor_goal_wish_first: Annotated[Ints, "S+1", READ]
     sensor_goal_wish: Annotated[Ints, "WISH", READ]  # wishes of goals by sensor
-    pair_effect: Annotated[Ints, "PAIR", READ]  # an effect and a wish of another behaviour about one sensor, by sensor
-    pair_wish: Annotated[Ints, "PAIR", READ]
+    pairs: Annotated[Ints, "PAIR 5", READ]  # an effect and a wish about one sensor, their behaviours, and the sensor
     goal_pair_effect: Annotated[Ints, "PAIR", READ]  # an effect and a wish of a goal about one sensor, by sensor
     goal_pair_wish: Annotated[Ints, "PAIR", READ]
 

@@ -204,8 +204,9 @@ class Packer:
             sensor_wish=ints(u for _, u in sorted(about_wishes)),
             sensor_goal_wish_first=firsts((sensor for sensor, _ in about_goal_wishes), sensors),
             sensor_goal_wish=ints(u for _, u in sorted(about_goal_wishes)),
-            pair_effect=ints(e for e, _ in pairs),
-            pair_wish=ints(u for _, u in pairs),
+            pairs=ints(
+                n for e, u in pairs for n in (e, u, effects[e].owner, wishes[u].owner, effects[e].sensor)
+            ).reshape(-1, 5),
             goal_pair_effect=ints(e for e, _ in goal_pairs),
             goal_pair_wish=ints(u for _, u in goal_pairs),
             uniform=int(settings.algorithm == "uniform"),

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 
-from selforg.arrays import Ints
+from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import inlined
 from selforg.compiler.records import Handle, Written
 from selforg.network import state as st
@@ -67,16 +67,16 @@ def reset_terms(row: int, model: Handle[PackedModel], states: Written[RowStates]
 
     A sum of 0 counts as 1.
     """
-    s = open_states(states)
-    operational, weight = open_scratch(scratch).operational, open_model(model).situation_weight
-    behaviours = s.values.shape[2]
+    s, operational = open_states(states), open_scratch(scratch).operational
+    values, weight = s.values[row], open_model(model).situation_weight
+    behaviours = values.shape[1]
     for layer in range(st.PRECONDITIONS, st.VALUE_LAYERS):
         for b in range(behaviours):
-            s.values[row, layer, b] = 0.0
+            values[layer, b] = 0.0
     total = 0.0
     for b in range(behaviours):
-        total += s.values[row, st.ACTIVATION, b] if operational[b] else 0.0
-        s.values[row, st.PRECONDITIONS, b] = weight * s.values[row, st.SATISFACTION, b]
+        total += values[st.ACTIVATION, b] if operational[b] else 0.0
+        values[st.PRECONDITIONS, b] = weight * values[st.SATISFACTION, b]
     s.row_values[row, st.TOTAL] = total if total != 0.0 else 1.0
 
 
@@ -102,65 +102,67 @@ def weigh_goals(row: int, model: Handle[PackedModel], states: Handle[RowStates],
 def flow_from_goals(row: int, model: Handle[PackedModel], states: Written[RowStates], scratch: Handle[Scratch]) -> None:
     """Add what goals give to the behaviours of `row` whose effects meet their wishes."""
     m, s, own = open_model(model), open_states(states), open_scratch(scratch)
-    behaviours = s.values.shape[2]
+    values, wishes, enabled = s.values[row], s.wishes[row], s.goal_enabled[row]
+    behaviours = values.shape[1]
     for p in range(m.goal_pair_effect.shape[0]):
         e, u = m.goal_pair_effect[p], m.goal_pair_wish[p]
         goal = m.wish_owner[u] - behaviours
-        if not own.live_effect[e] or not s.goal_enabled[row, goal]:
+        if not own.live_effect[e] or not enabled[goal]:
             continue
         b, sensor = m.effect_owner[e], m.effect_sensor[e]
-        effect, wish = m.effect_change[e], s.wishes[row, u]
+        effect, wish = m.effect_change[e], wishes[u]
         if effect * wish > 0.0:
             share = helping(effect, wish, m.uniform) * own.goal_share[goal] / helpers(effect, sensor, own.counts)
-            s.values[row, st.GOALS, b] += m.goal_weight * share
+            values[st.GOALS, b] += m.goal_weight * share
         else:
             share = hindering(effect, wish, m.uniform) * own.goal_share[goal]
-            s.values[row, st.INHIBITION, b] += m.conflictor_weight * share / opponents(wish, sensor, own.counts)
+            values[st.INHIBITION, b] += m.conflictor_weight * share / opponents(wish, sensor, own.counts)
 
 
 @inlined
 def flow_between(row: int, model: Handle[PackedModel], states: Written[RowStates], scratch: Handle[Scratch]) -> None:
     """Add what behaviours of `row` give each other, where an effect of one meets a wish of another."""
     m, s, own = open_model(model), open_states(states), open_scratch(scratch)
+    values, marks, wishes, kept = s.values[row], s.marks[row], s.wishes[row], s.wish_kept[row]
     total = s.row_values[row, st.TOTAL]
-    for p in range(m.pair_effect.shape[0]):
-        e, u = m.pair_effect[p], m.pair_wish[p]
-        b, q = m.effect_owner[e], m.wish_owner[u]
-        if not own.live_effect[e] or not is_live(row, u, q, states):
+    for p in range(m.pairs.shape[0]):
+        e, u, b, q, sensor = m.pairs[p, 0], m.pairs[p, 1], m.pairs[p, 2], m.pairs[p, 3], m.pairs[p, 4]
+        if not own.live_effect[e] or not kept[u] or not marks[st.PRESENT, q]:
             continue
-        effect, wish, sensor = m.effect_change[e], s.wishes[row, u], m.effect_sensor[e]
+        effect, wish = m.effect_change[e], wishes[u]
         if effect * wish > 0.0:
             help_ = helping(effect, wish, m.uniform) / total
-            if own.operational[q] and not s.marks[row, st.READY, q]:
-                share = help_ * s.values[row, st.ACTIVATION, q] / helpers(effect, sensor, own.counts)
-                s.values[row, st.SUCCESSORS, b] += m.successor_weight * share
-            if own.operational[b] and s.marks[row, st.READY, b] and s.values[row, st.SATISFACTION, b] > 0.0:
-                share = help_ * s.values[row, st.ACTIVATION, b]
-                share /= wishers(row, wish, sensor, model, states, own.operational)
-                s.values[row, st.PREDECESSORS, q] += m.predecessor_weight * share
+            if own.operational[q] and not marks[st.READY, q]:
+                share = help_ * values[st.ACTIVATION, q] / helpers(effect, sensor, own.counts)
+                values[st.SUCCESSORS, b] += m.successor_weight * share
+            if own.operational[b] and marks[st.READY, b] and values[st.SATISFACTION, b] > 0.0:
+                share = help_ * values[st.ACTIVATION, b]
+                share /= wishers(wish, sensor, model, wishes, kept, own.operational)
+                values[st.PREDECESSORS, q] += m.predecessor_weight * share
         elif own.operational[q]:
-            share = hindering(effect, wish, m.uniform) * s.values[row, st.ACTIVATION, q] / total
-            s.values[row, st.CONFLICTORS, b] += m.conflictor_weight * share / opponents(wish, sensor, own.counts)
+            share = hindering(effect, wish, m.uniform) * values[st.ACTIVATION, q] / total
+            values[st.CONFLICTORS, b] += m.conflictor_weight * share / opponents(wish, sensor, own.counts)
 
 
 @inlined
 def flow_from_plan(row: int, model: Handle[PackedModel], states: Written[RowStates]) -> None:
     """Set the plan's term for the behaviours of its remaining steps: the sooner one is due, the more."""
     s, weight = open_states(states), open_model(model).plan_weight
+    values, plan = s.values[row], s.plan[row]
     index, length = s.plan_marks[row, st.PLAN_INDEX], s.plan_marks[row, st.PLAN_LENGTH]
     for k in range(length - 1, index - 1, -1):  # backwards: the first occurrence is written last
-        s.values[row, st.PLAN, s.plan[row, k]] = weight / (k - index + 1)
+        values[st.PLAN, plan[k]] = weight / (k - index + 1)
 
 
 @inlined
 def sum_terms(row: int, model: Handle[PackedModel], states: Written[RowStates]) -> None:
     """Multiply the old activations of `row` by the decay and add the terms; activation never falls below 0."""
-    values, decay = open_states(states).values, open_model(model).activation_decay
-    for b in range(values.shape[2]):
+    values, decay = open_states(states).values[row], open_model(model).activation_decay
+    for b in range(values.shape[1]):
         step = 0.0
         for layer in range(st.PRECONDITIONS, st.VALUE_LAYERS):
-            step += values[row, layer, b]
-        values[row, st.ACTIVATION, b] = max(0.0, decay * values[row, st.ACTIVATION, b] + step)
+            step += values[layer, b]
+        values[st.ACTIVATION, b] = max(0.0, decay * values[st.ACTIVATION, b] + step)
 
 
 @inlined
@@ -177,39 +179,32 @@ def share_row(row: int, model: Handle[PackedModel], states: Handle[RowStates], s
 @inlined
 def note_shown(row: int, states: Handle[RowStates], scratch: Handle[Scratch]) -> bool:
     """Note in `shown` which behaviours `row` has, on or off, with which alternatives; return whether that is new."""
-    marks, shown = open_states(states).marks, open_scratch(scratch).shown
+    marks, shown = open_states(states).marks[row], open_scratch(scratch).shown
     new = False
     for b in range(shown.shape[0]):
-        switches = 2 * marks[row, st.PRESENT, b] + marks[row, st.ENABLED, b]
-        here = 4 * (marks[row, st.ALTERNATIVE, b] + 1) + switches
+        switches = 2 * marks[st.PRESENT, b] + marks[st.ENABLED, b]
+        here = 4 * (marks[st.ALTERNATIVE, b] + 1) + switches
         new = new or shown[b] != here
         shown[b] = here
     return new
 
 
 @inlined
-def is_operational(row: int, b: int, marks: Ints) -> bool:
-    """Return whether behaviour `b` is part of the network and switched on."""
-    return bool(marks[row, st.PRESENT, b] == 1 and marks[row, st.ENABLED, b] == 1)
+def is_operational(b: int, marks: Ints) -> bool:
+    """Return whether behaviour `b` is part of the network and switched on; marks (MARK, B) of a row."""
+    return bool(marks[st.PRESENT, b] == 1 and marks[st.ENABLED, b] == 1)
 
 
 @inlined
 def find_live(row: int, model: Handle[PackedModel], states: Handle[RowStates], scratch: Handle[Scratch]) -> None:
     """Fill `operational` and `live_effect` for `row`."""
-    m, s, own = open_model(model), open_states(states), open_scratch(scratch)
-    for b in range(s.marks.shape[2]):
-        own.operational[b] = 1 if is_operational(row, b, s.marks) else 0
+    m, marks, own = open_model(model), open_states(states).marks[row], open_scratch(scratch)
+    for b in range(marks.shape[1]):
+        own.operational[b] = 1 if is_operational(b, marks) else 0
     for e in range(own.live_effect.shape[0]):
         b = m.effect_owner[e]
-        shown = m.effect_tag[e] < 0 or m.effect_tag[e] == s.marks[row, st.ALTERNATIVE, b]
-        own.live_effect[e] = 1 if shown and m.effect_change[e] != 0.0 and s.marks[row, st.PRESENT, b] else 0
-
-
-@inlined
-def is_live(row: int, wish: int, owner: int, states: Handle[RowStates]) -> bool:
-    """Return whether a wish of `row` counts; those of goals always do."""
-    s = open_states(states)
-    return bool(owner >= s.marks.shape[2] or (s.wish_kept[row, wish] and s.marks[row, st.PRESENT, owner]))
+        shown = m.effect_tag[e] < 0 or m.effect_tag[e] == marks[st.ALTERNATIVE, b]
+        own.live_effect[e] = 1 if shown and m.effect_change[e] != 0.0 and marks[st.PRESENT, b] else 0
 
 
 @inlined
@@ -243,17 +238,18 @@ def helpers(effect: float, sensor: int, counts: Ints) -> int:
 
 
 @inlined
-def wishers(
-    row: int, wish: float, sensor: int, model: Handle[PackedModel], states: Handle[RowStates], operational: Ints
-) -> int:
-    """Return how many operational behaviours of `row` share what goes to wishes of this sign, at least 1."""
-    m, wishes = open_model(model), open_states(states).wishes
+def wishers(wish: float, sensor: int, model: Handle[PackedModel], wishes: Floats, kept: Ints, operational: Ints) -> int:
+    """Return how many operational behaviours share what goes to wishes of this sign, at least 1.
+
+    wishes (U,) and which of them are `kept` (U,) of a row.
+    """
+    m = open_model(model)
     found, last = 0, -1
     for k in range(m.sensor_wish_first[sensor], m.sensor_wish_first[sensor + 1]):
         u = m.sensor_wish[k]
         b = m.wish_owner[u]
-        alike = wishes[row, u] > 0.0 if wish > 0.0 else wishes[row, u] < 0.0
-        if alike and b != last and operational[b] and is_live(row, u, b, states):
+        alike = wishes[u] > 0.0 if wish > 0.0 else wishes[u] < 0.0
+        if alike and b != last and operational[b] and kept[u]:
             found += 1
             last = b
     return max(found, 1)

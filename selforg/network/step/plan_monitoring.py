@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from selforg.arrays import Ints
+from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import inlined
 from selforg.compiler.records import Handle, Written
 from selforg.network import state as st
@@ -52,22 +52,23 @@ def monitor_plan(row: int, model: Handle[PackedModel], states: Written[RowStates
 def pass_steps(row: int, model: Handle[PackedModel], states: Written[RowStates]) -> bool:
     """Pass what is done of the plan of `row`; return whether all that ended itself was meant to."""
     s, independent = open_states(states), open_model(model).independent
+    plan, marks = s.plan[row], s.marks[row]
     index, length = s.plan_marks[row, st.PLAN_INDEX], s.plan_marks[row, st.PLAN_LENGTH]
-    due = s.plan[row, index] if index < length else -1
-    realised = due >= 0 and ran(row, due, s.marks) and is_realised(row, due, model, states)
+    due = plan[index] if index < length else -1
+    realised = due >= 0 and ran(due, marks) and is_realised(due, model, marks, s.plan_readings[row])
     if realised:
         index += 1
     in_order = True
-    for b in range(s.marks.shape[2]):
-        if not s.marks[row, st.ENDED, b]:
+    for b in range(marks.shape[1]):
+        if not marks[st.ENDED, b]:
             continue
         # as in the original, none is in a step in which the due one was realised
-        meant = not realised and index < length and s.plan[row, index] == b
+        meant = not realised and index < length and plan[index] == b
         if meant:
-            while index < length and s.plan[row, index] == b:
+            while index < length and plan[index] == b:
                 index += 1
             for k in range(index, length):
-                meant = meant and s.plan[row, k] != b
+                meant = meant and plan[k] != b
         in_order = in_order and (meant or independent[b] == 1)
     s.plan_marks[row, st.PLAN_INDEX] = index
     return in_order
@@ -77,21 +78,21 @@ def pass_steps(row: int, model: Handle[PackedModel], states: Written[RowStates])
 def note_changes(row: int, model: Handle[PackedModel], states: Written[RowStates]) -> bool:
     """Note what changed since the last step; return whether all of it was expected."""
     s = open_states(states)
-    seen = s.plan_readings
+    readings, seen, marks = s.readings[row], s.plan_readings[row], s.marks[row]
     idle = True
-    for b in range(s.marks.shape[2]):
-        idle = idle and not ran(row, b, s.marks)
+    for b in range(marks.shape[1]):
+        idle = idle and not ran(b, marks)
     expected = True
-    for sensor in range(s.readings.shape[1]):
-        reading, last = six_decimals(s.readings[row, sensor]), seen[row, st.LAST_STEP, sensor]
-        counts = reading != last and is_relevant(row, sensor, model, states)
+    for sensor in range(readings.shape[0]):
+        reading, last = six_decimals(readings[sensor]), seen[st.LAST_STEP, sensor]
+        counts = reading != last and is_relevant(sensor, model, marks, s.goal_enabled[row])
         change = reading - last if counts else 0.0
-        before = 0.0 if idle else seen[row, st.SINCE_IDLE, sensor]
-        seen[row, st.TWO_STEPS, sensor] = seen[row, st.LAST_CHANGE, sensor] + change
-        seen[row, st.LAST_STEP, sensor] = reading
-        seen[row, st.LAST_CHANGE, sensor] = change
-        seen[row, st.SINCE_IDLE, sensor] = six_decimals(before + change)
-        expected = expected and (change == 0.0 or was_expected(row, sensor, change, model, states))
+        before = 0.0 if idle else seen[st.SINCE_IDLE, sensor]
+        seen[st.TWO_STEPS, sensor] = seen[st.LAST_CHANGE, sensor] + change
+        seen[st.LAST_STEP, sensor] = reading
+        seen[st.LAST_CHANGE, sensor] = change
+        seen[st.SINCE_IDLE, sensor] = six_decimals(before + change)
+        expected = expected and (change == 0.0 or was_expected(sensor, change, model, marks))
     return expected
 
 
@@ -102,54 +103,52 @@ def six_decimals(number: float) -> float:
 
 
 @inlined
-def ran(row: int, b: int, marks: Ints) -> bool:
-    """Whether behaviour `b` was running until now."""
-    return bool(marks[row, st.EXECUTING, b] == 1 or marks[row, st.ENDED, b] == 1)
+def ran(b: int, marks: Ints) -> bool:
+    """Whether behaviour `b` was running until now; here and below marks are those (MARK, B) of a row."""
+    return bool(marks[st.EXECUTING, b] == 1 or marks[st.ENDED, b] == 1)
 
 
 @inlined
-def is_relevant(row: int, sensor: int, model: Handle[PackedModel], states: Handle[RowStates]) -> bool:
-    """Whether a condition of a behaviour that is not optional, or of a goal that is on, looks at `sensor`."""
-    m, s = open_model(model), open_states(states)
+def is_relevant(sensor: int, model: Handle[PackedModel], marks: Ints, enabled: Ints) -> bool:
+    """Whether a condition of a behaviour that is not optional, or of a goal that is `enabled` (G,), looks at it."""
+    m = open_model(model)
     for k in range(m.sensor_wish_first[sensor], m.sensor_wish_first[sensor + 1]):
         wish = m.sensor_wish[k]
         b = m.wish_owner[wish]
         if m.wish_optional[wish]:
             continue
-        if s.marks[row, st.PRESENT, b] and (
-            m.wish_tag[wish] < 0 or m.wish_tag[wish] == s.marks[row, st.ALTERNATIVE, b]
-        ):
+        if marks[st.PRESENT, b] and (m.wish_tag[wish] < 0 or m.wish_tag[wish] == marks[st.ALTERNATIVE, b]):
             return True
-    behaviours = s.marks.shape[2]
+    behaviours = marks.shape[1]
     for k in range(m.sensor_goal_wish_first[sensor], m.sensor_goal_wish_first[sensor + 1]):
-        if s.goal_enabled[row, m.wish_owner[m.sensor_goal_wish[k]] - behaviours]:
+        if enabled[m.wish_owner[m.sensor_goal_wish[k]] - behaviours]:
             return True
     return False
 
 
 @inlined
-def was_expected(row: int, sensor: int, change: float, model: Handle[PackedModel], states: Handle[RowStates]) -> bool:
+def was_expected(sensor: int, change: float, model: Handle[PackedModel], marks: Ints) -> bool:
     """Whether something that ran has an effect on `sensor` in the direction of `change`."""
-    m, marks = open_model(model), open_states(states).marks
+    m = open_model(model)
     for k in range(m.sensor_effect_first[sensor], m.sensor_effect_first[sensor + 1]):
         e = m.sensor_effect[k]
         b = m.effect_owner[e]
-        shown = m.effect_tag[e] < 0 or m.effect_tag[e] == marks[row, st.ALTERNATIVE, b]
-        if shown and m.effect_change[e] * change > 0.0 and ran(row, b, marks):
+        shown = m.effect_tag[e] < 0 or m.effect_tag[e] == marks[st.ALTERNATIVE, b]
+        if shown and m.effect_change[e] * change > 0.0 and ran(b, marks):
             return True
     return False
 
 
 @inlined
-def is_realised(row: int, b: int, model: Handle[PackedModel], states: Handle[RowStates]) -> bool:
-    """Whether all effects of behaviour `b` count as realised."""
-    m, s = open_model(model), open_states(states)
+def is_realised(b: int, model: Handle[PackedModel], marks: Ints, seen: Floats) -> bool:
+    """Whether all effects of behaviour `b` count as realised; seen (READING, S) are the changes of the row."""
+    m = open_model(model)
     for e in range(m.effect_first[b], m.effect_first[b + 1]):
-        if m.effect_tag[e] >= 0 and m.effect_tag[e] != s.marks[row, st.ALTERNATIVE, b]:
+        if m.effect_tag[e] >= 0 and m.effect_tag[e] != marks[st.ALTERNATIVE, b]:
             continue
-        wanted, recent = six_decimals(m.effect_change[e]), s.plan_readings[row, st.TWO_STEPS, m.effect_sensor[e]]
-        since_idle = s.plan_readings[row, st.SINCE_IDLE, m.effect_sensor[e]]
-        seen = wanted * since_idle > 0.0 and abs(since_idle) >= 0.5 * abs(wanted)
-        if not (seen if m.strict_progress else wanted >= recent):
+        wanted, recent = six_decimals(m.effect_change[e]), seen[st.TWO_STEPS, m.effect_sensor[e]]
+        since_idle = seen[st.SINCE_IDLE, m.effect_sensor[e]]
+        done = wanted * since_idle > 0.0 and abs(since_idle) >= 0.5 * abs(wanted)
+        if not (done if m.strict_progress else wanted >= recent):
             return False
     return True

@@ -48,8 +48,9 @@ def find_wrong(rows: Ints, model: Handle[PackedModel], states: Handle[RowStates]
     is_fact, readings = open_model(model).is_fact, open_states(states).readings
     sensors = readings.shape[1]
     for row in rows:
+        read = readings[row]
         for sensor in range(sensors):
-            value = readings[row, sensor]
+            value = read[sensor]
             if value == 0.0 or value == 1.0:
                 continue
             if is_fact[sensor] or value != value:

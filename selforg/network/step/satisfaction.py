@@ -32,9 +32,9 @@ def evaluate_conditions(readings: Floats, model: Handle[PackedModel], scratch: H
 @inlined
 def evaluate_leaves(row: int, model: Handle[PackedModel], readings: Floats, scratch: Handle[Scratch]) -> None:
     """Fill satisfaction and wish of every leaf from the `readings` (R, S) of `row`."""
-    m, own = open_model(model), open_scratch(scratch)
+    m, own, read = open_model(model), open_scratch(scratch), readings[row]
     for k in range(m.leaf_sensor.shape[0]):
-        reading = readings[row, m.leaf_sensor[k]]
+        reading = read[m.leaf_sensor[k]]
         own.leaf_satisfaction[k], own.leaf_wish[k] = activate(
             m.leaf_kind[k], reading, m.leaf_a[k], m.leaf_b[k], m.leaf_low[k], m.leaf_high[k], m.leaf_direction[k]
         )
@@ -76,29 +76,28 @@ def turned(wish: float, direction: float) -> float:
 def evaluate_wishes(row: int, model: Handle[PackedModel], states: Written[RowStates], scratch: Handle[Scratch]) -> None:
     """Fill the wishes of `row`; a wish of an alternative that is not held is not kept."""
     m, s = open_model(model), open_states(states)
+    wishes, kept, marks = s.wishes[row], s.wish_kept[row], s.marks[row]
     leaf_wish = open_scratch(scratch).leaf_wish
     for u in range(m.wish_leaf.shape[0]):
         wish = leaf_wish[m.wish_leaf[u]]
         for k in range(m.turn_first[u], m.turn_first[u + 1]):
             wish = turned(wish, m.turn_direction[k])
-        s.wishes[row, u] = wish
-        s.wish_kept[row, u] = (
-            1 if m.wish_tag[u] < 0 or s.marks[row, st.ALTERNATIVE, m.wish_owner[u]] == m.wish_tag[u] else 0
-        )
+        wishes[u] = wish
+        kept[u] = 1 if m.wish_tag[u] < 0 or marks[st.ALTERNATIVE, m.wish_owner[u]] == m.wish_tag[u] else 0
 
 
 @inlined
 def keep_smallest(row: int, behaviour: int, model: Handle[PackedModel], states: Written[RowStates]) -> None:
     """Keep only the smallest of several wishes of one behaviour about one sensor."""
-    m, s = open_model(model), open_states(states)
+    m, wishes, kept = open_model(model), open_states(states).wishes[row], open_states(states).wish_kept[row]
     begin, end = m.wish_first[behaviour], m.wish_first[behaviour + 1]
     for u in range(begin, end):
-        if not s.wish_kept[row, u]:
+        if not kept[u]:
             continue
         for other in range(begin, u):
-            if s.wish_kept[row, other] and m.wish_sensor[other] == m.wish_sensor[u]:
-                weaker = u if abs(s.wishes[row, u]) >= abs(s.wishes[row, other]) else other
-                s.wish_kept[row, weaker] = 0
+            if kept[other] and m.wish_sensor[other] == m.wish_sensor[u]:
+                weaker = u if abs(wishes[u]) >= abs(wishes[other]) else other
+                kept[weaker] = 0
                 if weaker == u:
                     break
 
@@ -108,15 +107,15 @@ def judge_behaviours(
     row: int, model: Handle[PackedModel], states: Written[RowStates], scratch: Handle[Scratch]
 ) -> None:
     """Fill satisfaction and readiness of the behaviours of `row` from their nodes."""
-    m, s = open_model(model), open_states(states)
+    m, values, marks = open_model(model), open_states(states).values[row], open_states(states).marks[row]
     satisfaction = open_scratch(scratch).node_satisfaction
-    for b in range(s.values.shape[2]):
+    for b in range(values.shape[1]):
         product = 1.0
         for k in range(m.precondition_first[b], m.precondition_first[b + 1]):
-            if m.precondition_tag[k] < 0 or m.precondition_tag[k] == s.marks[row, st.ALTERNATIVE, b]:
+            if m.precondition_tag[k] < 0 or m.precondition_tag[k] == marks[st.ALTERNATIVE, b]:
                 product *= satisfaction[m.precondition_node[k]]
-        s.values[row, st.SATISFACTION, b] = product
-        s.marks[row, st.READY, b] = 1 if product >= m.ready_threshold[b] else 0
+        values[st.SATISFACTION, b] = product
+        marks[st.READY, b] = 1 if product >= m.ready_threshold[b] else 0
         if product > m.ready_threshold[b]:
             keep_smallest(row, b, model, states)
 

@@ -68,8 +68,8 @@ def follow_plan(row: int, model: Handle[PackedModel], states: Written[RowStates]
 @inlined
 def clear_ended(row: int, states: Written[RowStates]) -> None:
     """Set the activation of behaviours that ended themselves to 0; stopped ones keep theirs (Q15)."""
-    s = open_states(states)
-    for b in range(s.values.shape[2]):
-        if s.marks[row, st.ENDED, b]:
-            s.marks[row, st.ENDED, b] = 0
-            s.values[row, st.ACTIVATION, b] = 0.0
+    values, marks = open_states(states).values[row], open_states(states).marks[row]
+    for b in range(marks.shape[1]):
+        if marks[st.ENDED, b]:
+            marks[st.ENDED, b] = 0
+            values[st.ACTIVATION, b] = 0.0
