@@ -23,7 +23,7 @@ from numba.core.dispatcher import Dispatcher
 from numba.core.extending import _Intrinsic
 from numba.core.typing.templates import builtin_registry
 
-from selforg.compiler.intrinsics import Compiler
+from selforg.compiler.intrinsics import Compiler, Opened
 from selforg.compiler.switches import CHECKED, PLAIN
 
 VERSIONED = sys.stdlib_module_names | {"numba", "numpy", "llvmlite"}
@@ -54,6 +54,7 @@ MADE_OF: dict[Any, Callable[[Compiler], Iterable[Any]]] = {
     Dispatcher: lambda one: (one.py_func, one.targetoptions),
     _Intrinsic: lambda one: (one._defn, one._prefer_literal),
     types.Dispatcher: lambda one: [one.dispatcher],
+    Opened: lambda one: (one.name, one.fields),
     types.BaseNamedTuple: lambda one: (one.instance_class, *one),
 }
 """Kinds of values that are made of others -> what a value is made of."""

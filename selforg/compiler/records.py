@@ -37,7 +37,7 @@ from numba import types
 from numba.extending import intrinsic, register_jitable
 
 from selforg.arrays import Ints, Mark, scalar_of
-from selforg.compiler.intrinsics import LLVM, Compiler
+from selforg.compiler.intrinsics import LLVM, Compiler, Opened
 from selforg.compiler.switches import BY_ADDRESS, CHECKED
 
 Record = TypeVar("Record", bound=tuple[Any, ...])
@@ -131,8 +131,8 @@ class Recording(Generic[Record]):
         return cast("Handle[Record]", np.asarray(Kept(np.array(words, dtype=np.int64), record)))
 
     def _opening(self) -> Callable[[Handle[Record]], Record]:
-        """Return the function that gives compiled code the fields as a named tuple."""
-        named: Compiler = types.NamedTuple(list(self._fields.values()), self.kind)  # type: ignore[no-untyped-call]
+        """Return the function that gives compiled code the fields by their names."""
+        opened = Opened(f"{self.kind.__module__}.{self.kind.__qualname__}", self._fields)
         tag, message = self._tag, f"this is not the handle of a record {self.kind.__name__}"
 
         def typed(typing: Compiler, words: Compiler) -> Compiler:
@@ -142,11 +142,9 @@ class Recording(Generic[Record]):
                     wrong = builder.icmp_unsigned("!=", builder.load(array.data), LLVM.ir.IntType(64)(tag))
                     with builder.if_then(wrong, likely=False):
                         context.call_conv.return_user_exc(builder, TypeError, (message,))
-                first = LLVM.gep_inbounds(builder, array.data, 1)
-                pointer = builder.bitcast(first, context.get_value_type(named).as_pointer())
-                return builder.load(pointer, align=8)
+                return builder.bitcast(array.data, context.get_value_type(opened))
 
-            return named(words), generate
+            return opened(words), generate
 
         return cast("Callable[[Handle[Record]], Record]", intrinsic(typed))
 
@@ -179,8 +177,7 @@ def words_of_field(field: Compiler, value: Any, where: str, shape: str) -> list[
     if not fits or value.ndim != field.ndim or value.dtype.name != field.dtype.name.replace("bool_", "bool"):
         got = f"{value.dtype} {value.shape}" if isinstance(value, np.ndarray) else repr(value)
         raise TypeError(f"{where}: expected a C-contiguous {field.dtype} array ({shape.replace(' ', ', ')}), got {got}")
-    # memory owner and parent (none: the record keeps the array), items, their size, data, shape, strides
-    return [0, 0, value.size, value.itemsize, value.ctypes.data, *value.shape, *value.strides]
+    return [value.ctypes.data, *value.shape]
 
 
 class Kept:
