@@ -75,12 +75,13 @@ class PartCompiler(NumbaCompiler):
 
 
 class PartType(types.Dispatcher):
-    """Numba's type of a part: all whole numbers are int64, and constants have the type of other values."""
+    """Numba's type of a part: all whole numbers but uint64 are int64, and constants have the type of other values."""
 
     def get_call_type(self, context: Compiler, args: tuple[Compiler, ...], kws: Mapping[str, Any]) -> Compiler:
         """Return the signature of a call with arguments of types `args`."""
-        unliteral: Compiler = types.unliteral
-        plain = tuple(types.int64 if isinstance(one, types.Integer) else unliteral(one) for one in args)
+        values: list[Compiler] = list(map(types.unliteral, args))
+        whole = [isinstance(one, types.Integer) and one != types.uint64 for one in values]
+        plain = tuple(types.int64 if is_whole else one for one, is_whole in zip(values, whole, strict=True))
         return super().get_call_type(context, plain, kws)
 
 
