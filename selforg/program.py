@@ -59,11 +59,6 @@ class Rows(NamedTuple):
         """The rows (K,) as of now."""
         return self.listed[: self.length[0]]
 
-    def fill(self, rows: Ints) -> None:
-        """List `rows` (K,), at most as many as there is room for."""
-        self.listed[: len(rows)] = rows
-        self.length[0] = len(rows)
-
 
 class Step(NamedTuple):
     """One step of a program.

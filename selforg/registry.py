@@ -96,10 +96,6 @@ class Registry(Generic[Base]):
         """Return the message for a name under which nothing is registered."""
         return f"{unknown(self.kind, name, self.names())}; a {self.kind} of your own: --import MODULE or FILE.py"
 
-    def create(self, name: str, *arguments: Any, **parameters: Any) -> Base:  # noqa: ANN401  (those of the class)
-        """Return an instance of the class registered under `name`; UnknownNameError lists the known names."""
-        return self.find(name)(*arguments, **parameters)
-
     def __contains__(self, name: object) -> bool:
         if name not in self._classes:
             plugins.load()

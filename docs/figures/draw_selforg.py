@@ -50,7 +50,7 @@ def field(name: str, gradients: tuple[Gradient, ...]) -> tuple[np.ndarray, np.nd
                                 g.goal_radius, stamp=stamp, moving=moving)  # fmt: skip
                 buffer.store(copy, stamp, team=team)
     generators = [np.random.default_rng((7, row)) for row in range(rows)]
-    mechanism = MECHANISMS.create(name, buffer, directions=DirectionStream(generators))
+    mechanism = MECHANISMS.find(name)(buffer, directions=DirectionStream(generators))
     vectors, active = mechanism.move(1.0)
     return places, vectors, active
 

@@ -105,7 +105,7 @@ class RunningConfiguration(OrganisedRobots):
             if given in parameters_of(cls):
                 arguments[given] = value
         with within(f"{where}.parameters"):
-            made = MECHANISMS.create(declared.type, self._host.buffers[declared.buffer], **arguments)
+            made = cls(self._host.buffers[declared.buffer], **arguments)
         if isinstance(known, str) and isinstance(made, DecisionMechanism):
             self._first_values.append((made, self._remembered(known)))
         return made

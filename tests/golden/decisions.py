@@ -80,7 +80,7 @@ def deliver(scenes: list[Scene], edges: list[list[int]] | None, now: float) -> N
 def create(scene: Scene, name: str, given: dict[str, Any]) -> Any:
     """Return our mechanism for the original's parameters."""
     if name == "ForagingDecision":
-        return mechanisms.MECHANISMS.create(name, scene.buffer, probability=given["probability"])
+        return mechanisms.MECHANISMS.find(name)(scene.buffer, probability=given["probability"])
     quorum = name == "Quorum"
     channel = channel_of(given.get("frame", "robot" if quorum else ""))
     fields = {k: given.get(k, default) for k, default in DEFAULTS[name].items()}
@@ -97,7 +97,7 @@ def create(scene: Scene, name: str, given: dict[str, Any]) -> Any:
             given.get("center_frame", "Center"), attraction=given.get("attraction_center", 1),
             goal_radius=given.get("goal_center", 2.0), moving=given.get("moving_center", False),
         )  # fmt: skip
-    return mechanisms.MECHANISMS.create(name, scene.buffer, channel=channel, carried=carried, **keywords)
+    return mechanisms.MECHANISMS.find(name)(scene.buffer, channel=channel, carried=carried, **keywords)
 
 
 def written(mechanism: Any, value: float, state: int) -> list[Any]:

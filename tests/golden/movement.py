@@ -91,7 +91,7 @@ def build(case: Case, messages: list[dict[str, Any]] | None = None) -> tuple[Sce
     for message in case.inputs["messages"] if messages is None else messages:
         scene.store(message, message["stamp"])
     name = case.inputs["mechanism"]
-    return scene, mechanisms.MECHANISMS.create(NAMES.get(name, name), scene.buffer, **keywords(case))
+    return scene, mechanisms.MECHANISMS.find(NAMES.get(name, name))(scene.buffer, **keywords(case))
 
 
 def keywords(case: Case) -> dict[str, Any]:

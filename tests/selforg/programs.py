@@ -15,7 +15,8 @@ class Alone:
         self.program = Program(lambda: robots.steps(self.rows, self.rows, self.commands, guarantee))
 
     def tick(self, now, rows=None):
-        self.rows.fill(np.arange(len(self.rows.listed)) if rows is None else rows)
+        chosen = np.arange(len(self.rows.listed)) if rows is None else rows
+        self.rows.listed[: len(chosen)], self.rows.length[0] = chosen, len(chosen)
         self.commands.clear()
         self.program.run(now)
         return self.commands

@@ -67,7 +67,7 @@ def build(name, world, seed=3):
     parameters = {key: one(world.buffer) if callable(one) else one for key, one in example.items()}
     if "directions" in parameters_of(MECHANISMS.find(name)):
         parameters["directions"] = directions(world.poses.rows, world.space.dim, seed)
-    return MECHANISMS.create(name, world.buffer, **parameters)
+    return MECHANISMS.find(name)(world.buffer, **parameters)
 
 
 def answers(mechanism: Mechanism, begin: float, ticks: int = 4) -> np.ndarray:

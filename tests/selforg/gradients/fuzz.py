@@ -70,7 +70,7 @@ def play(rule, torus, whole_seconds, sequence):
     poses = OwnPoses(space, 1)
     settings = BufferSettings(aggregation={"DEFAULT": rule}, whole_seconds=whole_seconds)
     buffer = SoBuffer(settings, space, poses)
-    looking = [MECHANISMS.create(name, buffer, **parts_of(name, buffer)) for name in MOVEMENTS]
+    looking = [MECHANISMS.find(name)(buffer, **parts_of(name, buffer)) for name in MOVEMENTS]
     queries, now, refused, vectors = Queries(buffer), 0.0, [], [np.zeros(2)]
     for message, pause, pose in sequence:
         now += pause  # negative too: clocks do run backwards

@@ -129,15 +129,15 @@ def test_decisions_have_a_value_and_a_state_and_change_only_by_spreading(name):
 def test_wrong_parameters_are_named(name):
     world = make_world()
     with pytest.raises(TypeError, match="maximal_speed"):
-        MECHANISMS.create(name, world.buffer, **MECHANISMS.find(name).example, maximal_speed=1.0)
+        MECHANISMS.find(name)(world.buffer, **MECHANISMS.find(name).example, maximal_speed=1.0)
     if name not in ("SpreadGradient", "WeightedSum"):
         with pytest.raises(ValueError, match="view_distance must be at least 0"):
-            MECHANISMS.create(name, world.buffer, **MECHANISMS.find(name).example, view_distance=float("nan"))
+            MECHANISMS.find(name)(world.buffer, **MECHANISMS.find(name).example, view_distance=float("nan"))
 
 
 def test_unknown_names_list_the_known_ones_and_no_name_is_taken_twice():
     with pytest.raises(KeyError, match=r"unknown mechanism 'Repulsion' \(known: ApproachLeastBusy, .* more; did"):
-        MECHANISMS.create("Repulsion")
+        MECHANISMS.find("Repulsion")
     with pytest.raises(ValueError, match="'Spring' is registered already"):
         MECHANISMS.register(Spring)
 

@@ -101,7 +101,7 @@ def nearest_meeting(name, start, goals, noise=0.0, seed=0, **options):
     """Let two points of at most 1 m/s drive to `goals`; return how close they come [m]."""
     rng, place, apart = np.random.default_rng(seed), np.array(start), []
     poses, drives = make_world(Torus(SIDE, SIDE), rows=2).poses, goals - place
-    steering = MECHANISMS.create(name, poses, view_distance=1.0, **options)
+    steering = MECHANISMS.find(name)(poses, view_distance=1.0, **options)
     for tick in range(1, 40):
         poses.update(place + noise * rng.normal(size=(2, 2)), np.arctan2(*drives.T[::-1]), DT * tick)
         commands, way = Commands(2, 2), goals - place
@@ -234,7 +234,7 @@ def test_orca_takes_the_velocities_of_rvo2():
 
 
 def build(name, poses):
-    return MECHANISMS.create(name, poses, view_distance=1.0, **MECHANISMS.find(name).example)
+    return MECHANISMS.find(name)(poses, view_distance=1.0, **MECHANISMS.find(name).example)
 
 
 def beside_a_goal(poses):
@@ -270,7 +270,7 @@ def test_steering_keeps_to_the_speed(name):
 @pytest.mark.parametrize("name", NAMES)
 def test_steering_needs_a_plane(name):
     with pytest.raises(ValueError, match="expected a space of 2 dimensions, got 3"):
-        MECHANISMS.create(name, make_world("volume").poses)
+        MECHANISMS.find(name)(make_world("volume").poses)
 
 
 def test_places_and_velocities_are_those_of_the_poses_received():
