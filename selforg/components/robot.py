@@ -51,7 +51,7 @@ def list_turns(
     """List those of `rows` (K,) that act, and restart the networks inside that are stale.
 
     This is a step, see `selforg.program`. A row acts where one of the behaviours outside runs; without any, all rows
-    act. Where such a behaviour has just started, all behaviours inside are stopped.
+    act. Where such a behaviour has just started, and with `stops` where none runs, all behaviours inside are stopped.
     """
     t, around, held = open_turning(turning), open_states(outer), open_states(inner)
     acting, renewed = 0, 0
