@@ -48,8 +48,11 @@ def test_whole_missions_with_losses_are_those_of_one_process(mission, strategy, 
     "task",
     [
         *("AgentCollisionAvoidance", "CircleFormation", "CollectiveExploration", "CollisionAvoidance"),
-        *("FindBarycenter", "FollowMaxPotential", "FollowPotentialField", "Foraging", "IndividualExploration"),
+        *("FindBarycenter", "FollowMaxPotential", "FollowPotentialField", "IndividualExploration"),
         *("MaxValue", "ReachGoal", "UniformDistribution"),
+        pytest.param(
+            "Foraging", marks=pytest.mark.xfail(strict=True, reason="parts after 148 s, see examples.robots.air")
+        ),
     ],
 )
 def test_tasks_with_losses_are_those_of_one_process(task):

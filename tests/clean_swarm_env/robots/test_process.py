@@ -234,6 +234,12 @@ def test_examples_of_robots_drive_in_forty_lines(example, prints, capsys):
 
 
 @pytest.mark.long
+def test_robots_clean_in_a_simulator_of_ones_own(capsys):
+    import_module("examples.robots.own_simulator").main()
+    assert re.fullmatch(r"10 of 10 items were dumped within [1-5]\d\d s\.\n", capsys.readouterr().out)
+
+
+@pytest.mark.long
 def test_a_robot_at_50_hz_takes_at_most_two_per_cent_of_a_core():
     robots = [RobotProcess("table1", number) for number in range(5)]
     spent = 0.0
