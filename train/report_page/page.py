@@ -102,7 +102,7 @@ def _evaluation(results: Sequence[HeldResults]) -> Iterator[str]:
 
 def _selection(results: Sequence[HeldResults]) -> Iterator[str]:
     yield "<h2>Selection</h2>"
-    groups: dict[tuple[str, str, tuple[str, ...]], list[RecordedMission]] = {}
+    groups, alone = dict[tuple[str, str, tuple[str, ...]], list[RecordedMission]](), list[str]()
     for held in results:
         label = f"{held.path.name}: " if len(results) > 1 else ""
         for recording in held.recordings:
@@ -112,9 +112,14 @@ def _selection(results: Sequence[HeldResults]) -> Iterator[str]:
                     groups.setdefault((condition, goal, tuple(options)), []).append(recording)
     if not groups:
         yield _note("No run was recorded: evaluate with --record, and make the report again.")
-    for (condition, goal, _), own in groups.items():
+    for (condition, goal, options), own in groups.items():
+        held = {options[k] for one in own for k in np.unique(one[f"held/{goal}"][one["working"] == 1]).tolist()}
+        if len(held) == 1:  # a picture of it were a block of one colour
+            alone.append(f"Under {condition} every robot held {held.pop()} for {goal} all the time.")
+            continue
         title = f"<h3>{escape(condition)}: {escape(goal)}, {len(own)} recorded runs</h3>"
         yield f"<section>{title}{selection_over_time(own, goal)}</section>"
+    yield _note(" ".join(alone))
 
 
 def _training(results: Sequence[HeldResults]) -> Iterator[str]:

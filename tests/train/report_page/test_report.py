@@ -87,6 +87,8 @@ def test_the_figures_are_those_of_the_runs(results, tmp_path):
     for heading in ("Distributions", "Selection"):
         assert heading in headings
     assert "Random: AvoidCollision, 3 recorded runs" in headings
+    assert not any("fixed:Off: AvoidCollision" in heading for heading in headings)
+    assert any("Under fixed:Off every robot held Off for AvoidCollision all the time." in p for p in text.found["p"])
     assert json.loads(text.found["pre"][0]) == json.loads((results / "manifest.json").read_text())
     verdict = json.loads((results / "summary.json").read_text())["verdict"]
     assert verdict[1].startswith("3 scenarios cannot tell 3 strategies apart: 7 may")

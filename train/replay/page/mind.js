@@ -90,7 +90,8 @@ export function panelOf(run, frame, robot, beside = "") {
   const works = valueAt(run, "working", frame, robot), there = valueAt(run, "present", frame, robot);
   const load = loadOf(run, frame, robot), carries = head.drawn?.some(({ at }) => at === "robot");
   parts.push(`<div class="turn"><h2>Robot ${robot}</h2> <button data-turn="-1" title="The robot before (down).">before</button> <button data-turn="1" title="The next robot (up).">next</button></div><p>${plain(titleOf(run, frame))}</p>`);
-  if (run.tracks.has("command_x")) parts.push(`<p class="because" data-sentence>${plain(sentenceOf(factsOf(run, frame, robot), head.task_words))}</p>`);
+  const over = run.result && frame >= run.frames - 1 ? "the run is over; in its last step it " : "";
+  if (run.tracks.has("command_x")) parts.push(`<p class="because" data-sentence>${over}${plain(sentenceOf(factsOf(run, frame, robot), head.task_words))}</p>`);
   parts.push(beside);
   if (!works) parts.push(`<p><b>${there ? "It has failed: its body stands." : "It is not there."}</b></p>`);
   parts.push(`<p>It is at <span data-channel="x">${fixed(valueAt(run, "x", frame, robot), 3)}</span> m,
@@ -142,7 +143,7 @@ function optionsOf(run, goal, options, frame, robot) {
     <td><div class="bar"><i style="left:0;width:${thought ? (Math.abs(values[k]) / most) * 100 : 0}%;background:${goal === run.goal ? colourOf(k) : LOOK.edge}"></i></div></td>
     <td class="n">${thought ? fixed(values[k]) : ""}</td></tr>`);
   const told = shares ? "Of pairs and longer combinations: of all that have this option." : "A score, or an estimate of what it brings.";
-  const title = shares ? "How likely the chooser finds each option, 1.00 in sum:" : "What the chooser thinks of each option:", why = thought ? whyHeld(run, goal, frame, robot) : "";
+  const title = shares && values.includes(1) ? "The chooser takes, without chance:" : shares ? "How likely the chooser finds each option, 1.00 in sum:" : "What the chooser thinks of each option:", why = thought ? whyHeld(run, goal, frame, robot) : "";
   return `${head}${thought ? `<p class="small" title="${told}">${title}</p>` : ""}<table>${rows.join("")}</table>
     ${why ? `<p class="small" data-why="${plain(goal)}"><b>${plain(options[held])}</b> is not the highest. ${plain(why)}</p>` : ""}${inputsOf(run, frame, robot, goal)}`;
 }
