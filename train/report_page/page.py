@@ -113,9 +113,9 @@ def _selection(results: Sequence[HeldResults]) -> Iterator[str]:
     if not groups:
         yield _note("No run was recorded: evaluate with --record, and make the report again.")
     for (condition, goal, options), own in groups.items():
-        held = {options[k] for one in own for k in np.unique(one[f"held/{goal}"][one["working"] == 1]).tolist()}
-        if len(held) == 1:  # a picture of it were a block of one colour
-            alone.append(f"Under {condition} every robot held {held.pop()} for {goal} all the time.")
+        taken = {options[k] for one in own for k in np.unique(one[f"held/{goal}"][one["working"] == 1]).tolist()}
+        if len(taken) == 1:  # a picture of it were a block of one colour
+            alone.append(f"Under {condition} every robot held {taken.pop()} for {goal} all the time.")
             continue
         title = f"<h3>{escape(condition)}: {escape(goal)}, {len(own)} recorded runs</h3>"
         yield f"<section>{title}{selection_over_time(own, goal)}</section>"

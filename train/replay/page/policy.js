@@ -40,7 +40,7 @@ export const policyAt = (run, frame) => run.head.policies?.[choosersAt(run, fram
 
 /**
  * Return the inputs of the policy at a frame, those that moved the choice of a goal's option most first: name, value, and by how much
- * the probability of the likeliest option would differ with this input at its mean.
+ * the probability of the option that the robot holds would differ with this input at its mean.
  * @param {Run} run @param {number} frame @param {number} robot @param {string} goal
  */
 export function movesOf(run, frame, robot, goal) {
@@ -53,7 +53,8 @@ export function movesOf(run, frame, robot, goal) {
   const known = policy.goals[goal].map((name, k) => [name, first + k]).filter(([name]) => run.head.options[goal]?.includes(String(name)));
   /** @param {number[]} given */
   const shares = (given) => { const outputs = outputsOf(policy, given); return sharesOf(known.map(([, place]) => outputs[Number(place)])); };
-  const likely = shares(inputs), chosen = likely.indexOf(Math.max(...likely));
+  const likely = shares(inputs), option = run.head.options[goal]?.[valueAt(run, `held/${goal}`, frame, robot)];
+  const held = known.findIndex(([name]) => name === option), chosen = held < 0 ? likely.indexOf(Math.max(...likely)) : held;
   const moves = policy.observations.map((name, k) => {
     const without = inputs.map((value, j) => (j === k ? policy.mean[k] : value));
     return { name, value: inputs[k], moved: likely[chosen] - shares(without)[chosen] };
