@@ -33,7 +33,6 @@ COMMAND = "python -m docs.figures.numbers"
 EXEMPT = {
     "docs/environment.md: infos": "keys and their meaning; a test compares it with the code",
     "docs/environment.md: rewards": "weights and their defaults; a test compares it with the code",
-    "docs/walls.md: | setting | unless given | what |": "settings and their defaults",
     "docs/robots.md: | mission | true radius | true speed, turn rate | `--scale` |": "settings",
     "docs/tasks.md: tasks": "names, options and targets; a test compares it with the code",
 }
