@@ -11,9 +11,14 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
+
+from numba import types
 
 from benchmarks.shared.record import record
 from clean_swarm_env.learning.warm_up import FIRST_KERNELS, usable_cpus
+from selforg.compiler.ahead import ARRAY, NUMBER_TYPES
+from selforg.compiler.decorators import KERNELS
 
 STARTS = 3
 START = "from clean_swarm_env import Batch; Batch()"
@@ -22,7 +27,7 @@ import json, sys, time
 from numba.core import event
 import clean_swarm_env.learning.batch as batch
 from clean_swarm_env.learning import warm_up
-from selforg.compiler.ahead import compiled_lines
+from benchmarks.first_start import compiled_lines
 from selforg.compiler.decorators import KERNELS
 
 seconds, begun = {}, []
@@ -52,6 +57,17 @@ def order(line):
 lines = sorted(compiled_lines(), key=order)
 print("\\n".join(lines))
 """
+
+
+def compiled_lines() -> Iterator[str]:
+    """Yield a line for each kernel of this process and for each set of types that it has been compiled for."""
+    for name, kernel in KERNELS.items():
+        for given in kernel.overloads:
+            texts = [
+                f"{one.dtype}[{one.ndim}{one.layout}]" if isinstance(one, types.Array) else str(one) for one in given
+            ]
+            if all(text in NUMBER_TYPES or ARRAY.fullmatch(text) for text in texts):
+                yield " ".join((name, *texts))
 
 
 def start(cores: int) -> tuple[float, float]:

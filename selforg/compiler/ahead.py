@@ -4,7 +4,6 @@ For example `selforg.space.shorten float64[2C] float64[1C]`.
 """
 
 import re
-from collections.abc import Iterator
 from typing import Any
 
 from numba import types
@@ -28,17 +27,6 @@ def compile_line(line: str) -> None:
     """
     name, *texts = line.split()
     KERNELS[name].compile(tuple(map(_type_of, texts)))
-
-
-def compiled_lines() -> Iterator[str]:
-    """Yield a line for each kernel of this process and for each set of types that it has been compiled for."""
-    for name, kernel in KERNELS.items():
-        for given in kernel.overloads:
-            texts = [
-                f"{one.dtype}[{one.ndim}{one.layout}]" if isinstance(one, types.Array) else str(one) for one in given
-            ]
-            if all(text in NUMBER_TYPES or ARRAY.fullmatch(text) for text in texts):
-                yield " ".join((name, *texts))
 
 
 def _type_of(text: str) -> Compiler:

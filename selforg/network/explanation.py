@@ -196,11 +196,6 @@ def _node_values(model: NetworkModel, readings: Floats) -> Floats:
     return scratch.record.node_satisfaction
 
 
-def text_of(explanation: Explanation) -> str:
-    """Return the whole explanation."""
-    return "\n".join([*header(explanation), "", *table(explanation.behaviours), "", *condition_tree(explanation)])
-
-
 def header(explanation: Explanation) -> Iterator[str]:
     """Yield threshold and plan; the step that is due stands in brackets."""
     yield (

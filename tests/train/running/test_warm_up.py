@@ -96,7 +96,7 @@ LISTED_LINES = warm_up.FIRST_KERNELS.read_text(encoding="utf-8").splitlines()
 LISTED = """
 import clean_swarm_env.learning.batch as batch
 from clean_swarm_env.learning.warm_up import run_through
-from selforg.compiler.ahead import compiled_lines
+from benchmarks.first_start import compiled_lines
 run_through(batch.Batch())
 print(*compiled_lines(), sep="\\n")
 """
