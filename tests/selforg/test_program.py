@@ -100,11 +100,11 @@ def test_steps_run_by_stages_on_lists_that_steps_write_and_go_on_in_python():
 def test_without_rows_only_steps_that_write_lists_are_called():
     counter = Counter()
     counter.program.run(0.2)
-    counter.everyone.fill(np.array([1]))
+    counter.everyone.listed[0], counter.everyone.length[0] = 1, 1
     counter.program.run(0.4)
     assert counter.tally.record.counts.tolist() == [2.0, 2.0, 2.0, 1.0]
     assert counter.noted == [[0, 2]]
-    counter.everyone.fill(np.array([], dtype=np.int64))
+    counter.everyone.length[0] = 0
     counter.program.run(0.6)
     assert counter.tally.record.counts.tolist() == [2.0, 2.0, 2.0, 1.0]
 
