@@ -178,7 +178,11 @@ EVIL = {"observation": {"terms": [{"name": "evil.py:Evil"}]}, "terms": []}
         ("m.yaml", "a" * (32 * 2**20 + 1), r"m\.yaml: expected at most 33554432 bytes, got more"),
         ("m.yaml", bomb(12, 12, "lol"), r"m\.yaml: .*(aliases|values|mapping)"),
         ("m.yaml", MACHINE.replace("ORCA+", "ORKA+"), r"clustered: machine: options: .*ORKA\+RecentFinds"),
-        ("m.yaml", MACHINE.replace("AvoidCollision+Ex", "Ex"), r"clustered: .*made to decide ExplorationPatrol, got AvoidCollision\+Exp"),
+        (
+            "m.yaml",
+            MACHINE.replace("AvoidCollision+Ex", "Ex"),
+            r"clustered: .*made to decide ExplorationPatrol, got AvoidCollision\+Exp",
+        ),
         (
             "m.yaml",
             MACHINE + "probing: {robots: 9, option: ORCA+LevyWalk, until: heard_x}\n",
