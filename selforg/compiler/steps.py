@@ -4,6 +4,7 @@ A step is a kernel `(now, rows, *handles) -> int`. A table has a row of words fo
 tenth of one from Python (docs/decisions/0226-a-tick-is-a-program.md).
 """
 
+import re
 from collections.abc import Callable, Sequence
 from typing import Any, Final, cast
 
@@ -25,6 +26,8 @@ of its records."""
 STEP_COLUMNS: Final = _FIRST_RECORD + MOST_RECORDS
 WORDS: Compiler = types.Array(types.int64, 1, "C")
 FILL: Compiler = arrayobj.populate_array
+RECORD = re.compile(r"(?:Handle|Written)\[(?:\w+\.)*(\w+)\]$")
+"""How a kernel says which record a parameter is."""
 
 
 def words_of_step(
@@ -37,13 +40,17 @@ def words_of_step(
     """Return the row of the table for a kernel, or for Python with None, with a list of rows and their number.
 
     Raises:
-        TypeError: the kernel returns no int.
+        TypeError: the kernel takes other records, or them in another order; or it returns no int.
 
     """
-    given: list[Any] = [packed.handle for packed in records]
-    head = 0 if kernel is None else address_of(kernel, len(given)), rows[1].ctypes.data, rows[0].ctypes.data
-    addresses = [handle.ctypes.data for handle in given] + [0] * (MOST_RECORDS - len(given))
-    return [*head, len(given), int(always), 1 << stage, *addresses]
+    told = map(str, getattr(kernel, "__annotations__", {}).values())
+    wanted = [one[1] for one in map(RECORD.search, told) if one]
+    got = [type(one.record).__name__ for one in records]
+    if wanted and wanted != got:
+        raise TypeError(f"step {kernel.__name__}: expected the records {wanted}, got {got}")
+    head = 0 if kernel is None else address_of(kernel, len(records)), rows[1].ctypes.data, rows[0].ctypes.data
+    addresses = [cast("Any", packed.handle).ctypes.data for packed in records] + [0] * (MOST_RECORDS - len(records))
+    return [*head, len(records), int(always), 1 << stage, *addresses]
 
 
 def address_of(kernel: Any, records: int) -> int:  # noqa: ANN401

@@ -4,6 +4,7 @@ import copy
 import gc
 import os
 import pickle
+import re
 import subprocess
 import sys
 from typing import Annotated, NamedTuple
@@ -109,6 +110,17 @@ def test_without_rows_only_steps_that_write_lists_are_called():
     assert counter.tally.record.counts.tolist() == [2.0, 2.0, 2.0, 1.0]
 
 
+@pytest.mark.skipif(not BY_ADDRESS, reason="called by address only")
+@pytest.mark.parametrize("order", [("even", "tally"), ("tally",), ("tally", "even", "even")])
+def test_records_of_another_class_or_number_than_the_kernel_takes_are_one_line(order):
+    packed = {"tally": Packed(Tally(np.zeros(2), 1.0)), "even": Packed(Even(*Rows.of(np.arange(2))))}
+    records = tuple(packed[name] for name in order)
+    line = f"expected the records ['Tally', 'Even'], got {[name.title() for name in order]}"
+    steps = [Step(SENSE, list_even, Rows.of(np.arange(2)), list_even, records)]
+    with pytest.raises(TypeError, match=re.escape(line)):
+        Program(lambda: steps).run(0.2)
+
+
 def test_a_stage_can_be_left_out():
     counter = Counter()
     counter.program.run(0.2, bits_of([SENSE]))
@@ -182,7 +194,7 @@ def test_what_cannot_be_called_by_address_is_refused():
 
 
 CHECKED = """
-from tests.selforg.test_program import ACT, Counter, Program, Step, copy, count_rows, gc, pickle
+from tests.selforg.test_program import Counter, copy, count_rows, gc, pickle
 counter = Counter()
 counter.program.run(0.2)
 for duplicate in (copy.deepcopy, lambda one: pickle.loads(pickle.dumps(one))):
@@ -190,7 +202,7 @@ for duplicate in (copy.deepcopy, lambda one: pickle.loads(pickle.dumps(one))):
     gc.collect()
     counter.program.run(0.4)
 print(counter.tally.record.counts.tolist())
-Program(lambda: [Step(ACT, print, counter.everyone, count_rows, (counter.even,))]).run(0.6)
+count_rows(0.6, counter.everyone.now, counter.even.handle)
 """
 
 
