@@ -15,7 +15,7 @@ from typing import Any, Generic, ParamSpec, TypeVar, cast
 
 import numba
 from numba.core import event
-from numba.core.dispatcher import Dispatcher
+from numba.core.registry import CPUDispatcher
 from numba.extending import register_jitable
 
 from selforg.compiler.cache import KernelCache
@@ -54,14 +54,15 @@ class WithoutCollector(event.Listener):
 event.register("numba:compile", WithoutCollector())  # type: ignore[no-untyped-call]
 
 
-class Kernel(Dispatcher):
+class Kernel(CPUDispatcher):
     """A kernel, which is a part of other kernels where these call it: it is then not compiled by itself as well."""
 
-    within: Any
+    within: Any = None
+    """The function that other kernels know it by; a pickled kernel has none, and is a function of its own to them."""
 
     @property
     def _numba_type_(self) -> Any:  # noqa: ANN401
-        return self.within._numba_type_
+        return cast("Any", self.within or super())._numba_type_
 
 
 def kernel(function: Callable[P, R]) -> Callable[P, R]:

@@ -229,8 +229,9 @@ class Advice:
         starts = f"missions from its {given} start{'s' * (given > 1)}" if given else "starts"
         each = "an item" if items_keep_coming(evaluation.mission) else "a mission"
         cost = f"{amount(mean.value)} s {each}{interval_words(mean.ci95, amount)} on {found.starts} fresh {starts}"
-        held = f"{evaluation.family.name}: hold {self._words(found.winner)}"
-        begin = f"{held}: it costs {cost}, the least of {of}{variants}."
+        begin = (
+            f"{evaluation.family.name}: hold {self._words(found.winner)}: it costs {cost}, the least of {of}{variants}."
+        )
         if not self.runs.unfinished:
             return begin
         lost, most = int(self.runs.unfinished[found.winner].sum()), most_left(self.runs.unfinished[found.winner])
@@ -314,8 +315,11 @@ class Advice:
     def _worth(self) -> str:
         learn = "`--learn` trains one for this mission and judges it the same way"
         if self.worth_it is None:
-            gained = self.better or self.gains
-            why = f"{self.unjudged}; --minutes gives more time" if gained else f"{self._more_starts}. {learn}"
+            why = (
+                f"{self.unjudged}; --minutes gives more time"
+                if self.better or self.gains
+                else f"{self._more_starts}. {learn}"
+            )
             return f"Whether a selector is worth it here is not known at this budget: {why}."
         if not self.worth_it:
             return f"So a selector is not worth it here: what was tried gains {max(self.most, 0.0):.0%} at most."
@@ -325,9 +329,15 @@ class Advice:
 
     @property
     def _more_starts(self) -> str:
-        """How many starts would tell a gain of a tenth, and the budget with so many."""
+        """How many starts would tell a gain of a tenth, and the budget with so many, if a last round may have them."""
         search, starts = self.evaluation, self.found.starts
         counts = [one.tests[0].needed(TOLD) or 0 for one, _ in self.claims.values() if one.tests[0].spread > 0.0]
+        if not counts or max(starts + 1, *counts) > LAST_MOST:
+            return (
+                f"to tell a gain of a tenth takes more than the {LAST_MOST} starts of a last round"
+                if counts
+                else "there was nothing to compare with what is held"
+            )
         count = about_number(min(max([TWICE * starts, *counts]), LAST_MOST))
         last = sum(search.price(run) for run in search_runs(self.search.done) if run.scenario.startswith("test"))
         budget = count / starts * last / (1.0 - sum(BUDGET_SHARES.values()))

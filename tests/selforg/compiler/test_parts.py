@@ -1,5 +1,9 @@
 """Parts of kernels: compiled once for all callers, and plain functions for Python."""
 
+import pickle
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from numba.core import event
@@ -7,6 +11,8 @@ from numba.core.caching import NullCache
 
 from selforg.compiler.decorators import inlined, kernel, lean_kernel, part
 from selforg.compiler.switches import COMPILED, PLAIN
+from selforg.elementary import fill_unit_vectors
+from tests.paths import ROOT
 
 
 class Listed(event.Listener):
@@ -75,3 +81,18 @@ def test_an_error_in_a_part_reaches_the_caller():
     assert checking(1) == 1
     with pytest.raises(ValueError, match="expected a number from 0 up"):
         checking(-1)
+
+
+PICKLED = """
+import pickle, sys
+import numpy as np
+kernel, filled = pickle.loads(bytes.fromhex(sys.argv[1])), [np.zeros(2), np.zeros(2)]
+kernel(np.zeros(2), *filled)
+print(*filled)
+"""
+
+
+def test_a_kernel_can_be_pickled_for_another_process():
+    words = [sys.executable, "-c", PICKLED, pickle.dumps(fill_unit_vectors).hex()]
+    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True)
+    assert done.stdout == "[1. 1.] [0. 0.]\n", done.stderr

@@ -331,6 +331,21 @@ def test_a_selector_is_worth_it_or_not_or_that_is_not_known(ratios, expected):
     assert judged(**{name: costing(*one) for name, one in ratios.items()}).worth_it is expected
 
 
+@pytest.mark.parametrize(
+    ("starts", "ratios", "expected"),
+    [
+        (24, {"policy:a": (0.95, 0.2)}, "a gain of a tenth would be told on about "),
+        (400, {"policy:a": (0.95, 0.2)}, "to tell a gain of a tenth takes more than the 400 starts of a last round"),
+        (24, {"policy:a": (0.95, 4.0)}, "to tell a gain of a tenth takes more than the 400 starts of a last round"),
+        (24, {}, "there was nothing to compare with what is held"),
+    ],
+)
+def test_more_starts_are_asked_for_where_they_may_be_had_and_would_tell(starts, ratios, expected):
+    report = judged(**{name: costing(*one) for name, one in ratios.items()})
+    report.found.starts, report.search.done = starts, {}
+    assert Advice._more_starts.fget(report).startswith(expected)
+
+
 def test_that_something_gains_is_told_with_all_that_might_counted():
     one, nothing = costing(0.93, 0.14), costing(1.0, 0.4)
     assert 0.05 / 3 < one.p < 0.05 / 2
