@@ -8,7 +8,7 @@ import numpy as np
 
 from clean_swarm_env.learning.observation.around import Around, open_around
 from selforg.arrays import Ints
-from selforg.compiler.decorators import lean_kernel, part
+from selforg.compiler.decorators import long_kernel, part
 from selforg.compiler.records import Handle
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Poses, open_poses
@@ -24,7 +24,7 @@ from selforg.mechanisms.steering.base import (
 )
 
 
-@lean_kernel
+@long_kernel
 def search(around: Handle[Around], poses: Handle[Poses], chosen: Ints, rows: Ints) -> int:
     """Find neighbours of the robots in the worlds `chosen` (C,), and what they know of others.
 
