@@ -26,7 +26,7 @@ of its records."""
 STEP_COLUMNS: Final = _FIRST_RECORD + MOST_RECORDS
 WORDS: Compiler = types.Array(types.int64, 1, "C")
 FILL: Compiler = arrayobj.populate_array
-RECORD = re.compile(r"(?:Handle|Written)\[(?:\w+\.)*(\w+)\]$")
+RECORD = re.compile(r"(?:Handle|Written)\[(?:.*\.)?(\w+)\]$")
 """How a kernel says which record a parameter is."""
 
 
