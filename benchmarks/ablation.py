@@ -13,11 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from benchmarks.shared.scenes import mission_holding
 from clean_swarm_env.config.load import load_mission
 from clean_swarm_env.config.mission import MissionConfig, NetworkConfig
 from clean_swarm_env.config.starts import random_start, run_seed
-from clean_swarm_env.config.types import AVOIDANCE
-from clean_swarm_env.learning.batch import mission_begun, run_out
+from clean_swarm_env.learning.batch import run_out
 from selforg.arrays import Floats
 from train.analysis.intervals import Ratio
 from train.analysis.statistics import summarise
@@ -63,11 +63,10 @@ def lacking(network: NetworkConfig, term: str) -> NetworkConfig:
 
 def missions(mission: MissionConfig, option: str, starts: int, seed: int) -> tuple[Floats, Floats]:
     """Run the mission from every start; return durations (K,) [s] and whether each was completed (K,)."""
-    results = []
-    for k in range(starts):
-        batch = mission_begun(mission, random_start(mission, seed, k), run_seed(seed, str(k)))
-        batch.worlds.hold(np.full(batch.rows, batch.options[AVOIDANCE].index(option)))
-        results.append(run_out(batch))
+    results = [
+        run_out(mission_holding(option, mission, random_start(mission, seed, k), run_seed(seed, str(k))))
+        for k in range(starts)
+    ]
     return np.array([r.duration_s for r in results]), np.array([float(r.completed) for r in results])
 
 

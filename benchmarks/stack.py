@@ -9,16 +9,13 @@ five solid robots does less than REQUIRED simulated seconds for a CPU second ove
 
 import sys
 
-import numpy as np
-
 from benchmarks.floor import floor_seconds_per_tick
 from benchmarks.shared.measuring import REPEATS, by_turns, middle, seconds_per_call
 from benchmarks.shared.record import record
-from benchmarks.shared.scenes import SEED, mission_of, worlds_at_start
+from benchmarks.shared.scenes import SEED, mission_holding, mission_of, worlds_at_start
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start, run_seed
-from clean_swarm_env.config.types import AVOIDANCE
-from clean_swarm_env.learning.batch import mission_begun, run_out
+from clean_swarm_env.learning.batch import run_out
 
 REQUIRED = 800.0  # simulated seconds for a CPU second
 OPTIONS = ("RepulsionFernandez-view2.0", "RepulsionGradient-view1.5")
@@ -35,9 +32,7 @@ def missions_of(mission: MissionConfig, option: str) -> float:
         nonlocal ticks
         for scenario in range(SCENARIOS):
             start = random_start(mission, SEED, scenario)
-            batch = mission_begun(mission, start, run_seed(SEED, str(scenario)))
-            batch.worlds.hold(np.full(batch.rows, batch.options[AVOIDANCE].index(option)))
-            ticks += run_out(batch).ticks
+            ticks += run_out(mission_holding(option, mission, start, run_seed(SEED, str(scenario)))).ticks
 
     seconds = seconds_per_call(run, 1)
     return seconds * mission.world.control_rate / ticks

@@ -10,20 +10,18 @@ are for ten minutes.
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import process_time
 
-import numpy as np
-
 from benchmarks.shared.measuring import by_turns
 from benchmarks.shared.record import record
-from benchmarks.shared.scenes import SEED, mission_of
+from benchmarks.shared.scenes import SEED, mission_holding, mission_of
 from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.load import load_family, with_changes
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.starts import random_start
-from clean_swarm_env.config.types import AVOIDANCE
 from clean_swarm_env.learning.batch import mission_begun
 from clean_swarm_env.recording.recorder import MissionRecorder, RecordSettings
 from train.running.trial_task import TrialTask
@@ -44,10 +42,9 @@ class Going:
     def __init__(self, scenario: Scenario, mode: str, folder: Path) -> None:
         known = scenario.mission.knowledge == "avoidance"
         minds, name = mode == MODES[2], f"{scenario.mission.robots.count} {mode}"
-        self.batch = mission_begun(scenario.mission, scenario.start, scenario.seed, explained=minds)
+        begin = partial(mission_holding, OPTION) if known else mission_begun
+        self.batch = begin(scenario.mission, scenario.start, scenario.seed, explained=minds)
         self.recorder = None
-        if known:
-            self.batch.worlds.hold(np.full(self.batch.rows, self.batch.options[AVOIDANCE].index(OPTION)))
         if mode != MODES[0]:
             settings = RecordSettings(folder, minds=minds, name=name, thinking=True)
             self.recorder = MissionRecorder(self.batch.worlds, settings)

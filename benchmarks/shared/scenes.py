@@ -1,13 +1,15 @@
 """Missions of the benchmarks: the default one with any number of robots at the default density, in many worlds."""
 
 from math import sqrt
+from typing import Any
 
 import numpy as np
 
 from clean_swarm_env.config.load import load_mission, with_changes
-from clean_swarm_env.config.mission import MissionConfig
+from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import random_start, run_seed
 from clean_swarm_env.config.types import AVOIDANCE
+from clean_swarm_env.learning.batch import Batch, mission_begun
 from clean_swarm_env.tasks.cleaning.settings import settings_of
 from clean_swarm_env.world.worlds import Worlds
 from selector.configurations.library import Library
@@ -45,6 +47,15 @@ def worlds_at_start(mission: MissionConfig, worlds: int) -> Worlds:
         made.reset(world, random_start(mission, SEED, world), run_seed(SEED, str(world)))
     made.hold(np.full(made.rows, best_option(mission)))
     return made
+
+
+def mission_holding(
+    option: str, mission: MissionConfig, start: StartConfiguration, seed: int, **settings: Any
+) -> Batch:
+    """Return one world at the start of one mission, robots holding an avoidance; settings are those of `Batch`."""
+    batch = mission_begun(mission, start, seed, **settings)
+    batch.worlds.hold(np.full(batch.rows, batch.options[AVOIDANCE].index(option)))
+    return batch
 
 
 def best_option(mission: MissionConfig) -> int:

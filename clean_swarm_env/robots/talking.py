@@ -25,7 +25,7 @@ MOST_WAITING: Final = 1_000
 MOST_HEARD: Final = 20_000
 """Gradients that a buffer holds of what was heard; more are not heard."""
 MOST_TOLD: Final = 400
-"""Gradients that a robot keeps to tell at a time, the newest; so many fit into a datagram."""
+"""The newest gradients that a robot keeps to tell at a time; a datagram has no room for more."""
 
 
 class Talk:

@@ -116,8 +116,9 @@ class ServedBodies:
         self.record()
 
     def show_options(self, robots: Sequence[RobotProcess]) -> None:
-        """Let the recording have the options that robots hold."""
-        self.worlds.hold(np.array([[one.held[robot.row] for one in robot.worlds.coordinators] for robot in robots]))
+        """Let the recording, if there is one, have the options that robots hold."""
+        if self._recorder:
+            self.worlds.hold(np.array([[one.held[robot.row] for one in robot.worlds.coordinators] for robot in robots]))
 
     def record(self) -> None:
         """Record the control period that has ended, if that was asked for; a mission that is over ends its file."""

@@ -3,7 +3,7 @@
     python -m examples.robots.irsim_ranks examples/robots/irsim_ranks.yaml 40
     python -m examples.robots.irsim_ranks examples/robots/irsim_ranks.yaml
 
-With a number it does missions for so many minutes and keeps their figures in a file beside the plan. Without one it
+A number is the minutes for which it does missions; their figures are kept in a file beside the plan. Without one it
 only prints the tables of the missions that are done. Needs IR-SIM (`irsim_bodies.py`).
 """
 

@@ -11,6 +11,7 @@ from typing import Annotated, Any, Generic, Literal, Self, TypeVar
 
 from pydantic import Field, model_validator
 
+from selector.documents.errors import DocumentError
 from selector.documents.fields import Closed, Flag, Name, NonNegative, Number
 from selector.vocabulary.components import ActionSpecs, ComponentSpec, MechanismSpec, SensorSpec, TargetSpec
 from selector.vocabulary.conditions import AnyCondition, BehaviourSpec, GoalSpec, plain_conditions
@@ -24,8 +25,6 @@ from selforg.registry import unknown
 
 BESIDE = {Steer.__name__, HandOver.__name__}
 """Types of the actions that robots do beside what other behaviours command."""
-
-
 DECLARED_BY = {"fact": "; the robots' document declares facts, under `facts`"}
 """Kind of what a configuration may name -> end of the message where there is none of the name."""
 
@@ -183,6 +182,6 @@ class ConfigurationSpec(ActingNetworkSpec[SensorSpec, ActingBehaviourSpec]):
 
 
 def must_know(what: str, name: str, known: Mapping[str, object], where: str) -> None:
-    """Raise ValueError for a name that is not among the `known`."""
+    """Raise DocumentError for a name that is not among the `known`."""
     if name not in known:
-        raise ValueError(f"{where}: {unknown(what, name, sorted(known))}{DECLARED_BY.get(what, '')}")
+        raise DocumentError(f"{where}: {unknown(what, name, sorted(known))}{DECLARED_BY.get(what, '')}")

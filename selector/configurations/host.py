@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from selector.configurations.configuration import DECLARED_BY, ActingNetworkSpec
+from selector.configurations.configuration import ActingNetworkSpec, must_know
 from selector.documents.errors import DocumentError
 from selforg.components import FactRule, RobotMemory, SharedFact, Surroundings
 from selforg.components.actions import Call
@@ -59,8 +59,7 @@ class Host:
         named = {"buffer": (buffers, self.buffers), "call": (calls, self.calls), "fact": (facts, self.facts)}
         for what, (names, known) in named.items():
             for name in names:
-                if name not in known:
-                    raise DocumentError(f"{where}: {unknown(what, name, sorted(known))}{DECLARED_BY.get(what, '')}")
+                must_know(what, name, known, where)
         kinds = self.memory.kinds
         for name, kind in configuration.expects.items():
             if name not in kinds:

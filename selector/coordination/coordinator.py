@@ -169,7 +169,7 @@ class Coordinator:
         for option, content in enumerate(self.contents):
             members = Rows(self._members[option], self._counts[option : option + 1])
             turning = Turning(
-                self._turn_of[option], False, *_NO_COLUMNS, self._stale, renewed, acting, np.zeros(1, int)
+                self._turn_of[option], 0, *_NO_COLUMNS, self._stale, renewed, acting, np.zeros(1, dtype=np.int64)
             )
             steps += content.inside(self.parent, turning, members, members, commands)
         return steps

@@ -329,7 +329,7 @@ class Advice:
 
     @property
     def _more_starts(self) -> str:
-        """How many starts would tell a gain of a tenth, and the budget with so many, if a last round may have them."""
+        """The starts that would tell a gain of a tenth and the budget for them, or why there are none."""
         search, starts = self.evaluation, self.found.starts
         counts = [one.tests[0].needed(TOLD) or 0 for one, _ in self.claims.values() if one.tests[0].spread > 0.0]
         if not counts or max(starts + 1, *counts) > LAST_MOST:
