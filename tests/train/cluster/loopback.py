@@ -13,13 +13,13 @@ from tests.paths import ROOT
 from tests.train.commands import rows
 from tests.train.waiting import until
 
-ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT), "FAKE_SECONDS": "0.3"}
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT), "FAKE_SECONDS": "0.06"}
 QUIET = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
 
 
 def evaluate(folder: Path, *words: str, **more: str) -> subprocess.Popen[str]:
-    """Start an evaluation of fake missions; `more` are variables of its environment."""
-    command = [sys.executable, "-m", "tests.train.fake_mission", "evaluate", "--scenarios", "20", *words]
+    """Start an evaluation of 200 fake missions in eight tasks; `more` are variables of its environment."""
+    command = [sys.executable, "-m", "tests.train.fake_mission", "evaluate", "--scenarios", "100", *words]
     pipes = {**QUIET, "stderr": subprocess.PIPE, "env": {**ENVIRONMENT, **more}}
     return subprocess.Popen(command, cwd=folder, text=True, **pipes)
 

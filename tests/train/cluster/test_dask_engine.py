@@ -9,7 +9,7 @@ import pytest
 
 from clean_swarm_env.config.types import ConfigurationError
 from tests.train.cluster.loopback import ENVIRONMENT, QUIET, evaluate, loopback_cluster, results
-from tests.train.commands import finished
+from tests.train.commands import finished, wait_for_runs
 from tests.train.learning.trainings import written
 from tests.train.waiting import until
 from train.running import dask_engine
@@ -24,14 +24,14 @@ def test_equal_results_with_a_killed_worker_and_a_killed_nanny(cluster, tmp_path
 
     until(lambda: len(psutil.Process(cluster.nannies[0].pid).children(recursive=True)) > 1)
     done = evaluate(tmp_path, "--on", cluster.address, "--output", "cluster")
-    until(lambda: finished(tmp_path / "cluster") >= 3 or done.poll() is not None)
+    wait_for_runs(done, tmp_path / "cluster", 1)
     here = [psutil.Process(one.pid) for one in (cluster.scheduler, *cluster.nannies)]
     here += [child for one in here for child in one.children(recursive=True)]
     listening = {c.laddr.ip for one in here for c in one.net_connections() if c.status == psutil.CONN_LISTEN}
     assert listening == {"127.0.0.1"}
     for worker in psutil.Process(cluster.nannies[0].pid).children(recursive=True):
         worker.kill()
-    until(lambda: finished(tmp_path / "cluster") >= 8 or done.poll() is not None)
+    wait_for_runs(done, tmp_path / "cluster", 100)
     cluster.nannies[1].kill()
     _, err = done.communicate(timeout=240)
     assert done.returncode == 0, err
@@ -54,16 +54,16 @@ def test_a_training_comes_to_the_same_bits_elsewhere(cluster, tmp_path, learner,
 
 def test_a_scheduler_that_dies_costs_no_finished_run(cluster, tmp_path):
     done = evaluate(tmp_path, "--on", cluster.address, "--output", "cut")
-    until(lambda: finished(tmp_path / "cut") >= 3 or done.poll() is not None)
+    wait_for_runs(done, tmp_path / "cut", 1)
     cluster.scheduler.kill()
     _, err = done.communicate(timeout=240)
     assert done.returncode == 2
     error = f"error: {cluster.address}: the scheduler is gone; finished runs are kept, and --resume continues\n"
     assert error in err
     assert "Traceback" not in err
-    assert 3 <= finished(tmp_path / "cut") < 40
+    assert 0 < finished(tmp_path / "cut") < 200
     assert evaluate(tmp_path, "--workers", "2", "--output", "cut", "--resume").wait(timeout=240) == 0
-    assert finished(tmp_path / "cut") == 40
+    assert finished(tmp_path / "cut") == 200
 
 
 @dataclass(frozen=True)
