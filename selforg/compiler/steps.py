@@ -6,6 +6,7 @@ tenth of one from Python (docs/decisions/0226-a-tick-is-a-program.md).
 
 import re
 from collections.abc import Callable, Sequence
+from inspect import get_annotations
 from typing import Any, Final, cast
 
 from numba import types
@@ -43,7 +44,7 @@ def words_of_step(
         TypeError: the kernel takes other records, or them in another order; or it returns no int.
 
     """
-    told = map(str, getattr(kernel, "__annotations__", {}).values())
+    told = map(str, get_annotations(kernel.py_func).values() if kernel else ())  # the dispatcher has none from 3.14 on
     wanted = [one[1] for one in map(RECORD.search, told) if one]
     got = [type(one.record).__name__ for one in records]
     if wanted and wanted != got:
