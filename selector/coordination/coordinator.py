@@ -171,7 +171,7 @@ class Coordinator:
             turning = Turning(
                 self._turn_of[option], 0, *_NO_COLUMNS, self._stale, renewed, acting, np.zeros(1, dtype=np.int64)
             )
-            steps += content.inside(self.parent, turning, members, members, commands)
+            steps += content.inside(self.parent, turning, members, commands)
         return steps
 
 

@@ -10,7 +10,7 @@ from selector.coordination.robot_network import RobotNetwork
 from selforg.commands import Commands
 from selforg.components.robot import Turning
 from selforg.network.network import BehaviourNetwork
-from selforg.program import ACT, Rows, Step
+from selforg.program import Rows, Step
 
 
 class InnerNetwork(RunningConfiguration):
@@ -55,9 +55,7 @@ class InnerNetwork(RunningConfiguration):
         rows = self.parent.rows
         room = (np.zeros(length, dtype=np.int64) for length in (rows, rows, rows, 1))
         turning = Turning(np.array([self.index]), 1, *self._columns, *room)
-        acting, everyone = Rows(turning.acting, turning.length), Rows.of(np.arange(rows))
-        inside = self.inside(self.parent, turning, everyone, acting, commands)
-        return [step._replace(stage=max(step.stage, ACT)) for step in inside]
+        return self.inside(self.parent, turning, Rows.of(np.arange(rows)), commands, late=True)
 
 
 def inner_networks(

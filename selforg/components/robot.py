@@ -138,16 +138,17 @@ class OrganisedRobots:
         return steps
 
     def inside(
-        self, outer: BehaviourNetwork, turning: Turning, members: Rows, sensing: Rows, commands: Commands
+        self, outer: BehaviourNetwork, turning: Turning, members: Rows, commands: Commands, *, late: bool = False
     ) -> list[Step]:
         """Return the steps of those of `members` whose network runs inside behaviours of the network `outer`.
 
-        sensing: `members`, or those that act.
+        All of them sense before they act; with `late` only those that act do, and not before it is known who does.
         """
         records = Packed(turning), outer.packed, self.network.model.packed, self.network.packed
         acting = Rows(turning.acting, turning.length)
-        listing = Step(ACT, list_turns, members, list_turns, records, always=True)
-        return [listing, *self.steps(sensing, acting, commands)]
+        steps = [Step(ACT, list_turns, members, list_turns, records, always=True)]
+        steps += self.steps(acting if late else members, acting, commands)
+        return [step._replace(stage=max(step.stage, ACT)) for step in steps] if late else steps
 
     def show_in(self, readings: Floats, columns: Ints) -> None:
         """Write all readings also into `readings` (N, T), those of sensor k into column columns[k], from now on."""
