@@ -28,7 +28,7 @@ def check_strategy(cls: type[DecisionStrategy], **parameters: Any) -> None:  # n
 
     With estimates that all, teams or single rows share, it takes options that can serve, the same for the same seed,
     for rows in any order, and for a robot or a team alone; inputs are neither changed nor kept; learned arrays begin
-    with the groups, and it goes on from a saved state exactly. `parameters`: beside those of `example`.
+    with the groups, and it goes on from what was learned exactly. `parameters`: beside those of `example`.
     """
     expect_registered(cls, STRATEGIES)
     for sharing, groups in SHARED_BY.items():
@@ -51,10 +51,10 @@ def live(strategy: DecisionStrategy, steps: Floats, allowed: Any = None) -> Ints
         reward = (options == 2) + 0.1 * seen[:, 0]
         with contract(strategy, "_update", options, reward, seen):
             strategy.update(options, reward, seen)
-        state = list(strategy.state_dict().values())
+        learned = list(strategy.learned().values())
         for array in (options, reward, seen):
             array[...] = 0
-        expect_same(list(strategy.state_dict().values()), state, strategy, "", "to keep no array that it reads")
+        expect_same(list(strategy.learned().values()), learned, strategy, "", "to keep no array that it reads")
     return np.array(chosen)
 
 
@@ -64,7 +64,7 @@ def check_shared(of: Callable[[Ints, Ints], DecisionStrategy], cls: type, sharin
     steps = rng.normal(size=(8, TEAMS_ROWS, FEATURES))
     whole = of(EVERY, groups)
     chosen = live(whole, steps)
-    state, learned = whole.state_dict(), whole.learned()
+    learned = whole.learned()
     wrong = [name for name, array in learned.items() if array.shape[0] != whole.groups]
     expect(not wrong, cls, "_first_state", f"groups as the first axis of {wrong}")
     expect_same([live(of(EVERY, groups), steps)], [chosen], cls, "", f"the same for the same seed ({sharing})")
@@ -76,9 +76,11 @@ def check_shared(of: Callable[[Ints, Ints], DecisionStrategy], cls: type, sharin
     alone = {"all": EVERY[:0], "team": EVERY[3:6], "robot": EVERY[100:101]}[sharing]
     said = f"a {sharing} alone to decide as among others"
     expect_same([live(of(alone, groups[alone] * 0), steps[:, alone])], [chosen[:, alone]], cls, "", said)
-    other = of(EVERY[::-1], groups)
-    other.load_state(state)
-    expect_same([live(other, steps[::-1])], [live(whole, steps[::-1])], cls, "", "to go on from a saved state exactly")
+    other = of(EVERY, groups)
+    other.load_learned(learned)
+    whole.reseed(EVERY, KEYS)
+    said = "to go on from what was learned exactly"
+    expect_same([live(other, steps[::-1])], [live(whole, steps[::-1])], cls, "", said)
     allowed = rng.random((TEAMS_ROWS, 4)) < 0.4
     allowed[EVERY, rng.integers(4, size=TEAMS_ROWS)] = True
     live(of(EVERY, groups), steps, allowed)  # `select` refuses options that cannot serve

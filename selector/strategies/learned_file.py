@@ -11,7 +11,7 @@ from selector.documents.errors import DocumentError, shown, validated, within
 from selector.documents.fields import Closed, Name
 from selector.knowledge import Definition, check_same
 from selector.strategies.registry import StrategySpec
-from selector.strategies.strategy import ROW_STATE, DecisionStrategy
+from selector.strategies.strategy import DecisionStrategy
 
 VERSION = 1
 
@@ -42,8 +42,8 @@ class LearnedDescription(Closed):
         return validated(StrategySpec, {"name": self.strategy, "parameters": self.parameters}, "strategy")
 
 
-def save_strategy(path: Path, strategy: DecisionStrategy, *, whole: bool = False) -> None:
-    """Write the learned state of a strategy; with `whole` also the random state of its rows, to continue exactly.
+def save_strategy(path: Path, strategy: DecisionStrategy) -> None:
+    """Write what a strategy has learned.
 
     Raises:
         DocumentError: the file cannot be written.
@@ -58,12 +58,11 @@ def save_strategy(path: Path, strategy: DecisionStrategy, *, whole: bool = False
         definitions=problem.definitions,
         features=problem.features,
     )
-    arrays = strategy.state_dict() if whole else strategy.learned()
-    save_arrays(path, arrays, description.model_dump(mode="json"))
+    save_arrays(path, strategy.learned(), description.model_dump(mode="json"))
 
 
-def load_strategy(path: Path, strategy: DecisionStrategy, *, whole: bool = False) -> None:
-    """Load a file into a strategy: all that `save_strategy` wrote with `whole`, else only the learned arrays.
+def load_strategy(path: Path, strategy: DecisionStrategy) -> None:
+    """Load what `save_strategy` wrote into a strategy.
 
     Raises:
         DocumentError: not such a file, or one of another strategy, parameters, options or features.
@@ -89,10 +88,7 @@ def load_strategy(path: Path, strategy: DecisionStrategy, *, whole: bool = False
             raise DocumentError(f"{where}: {what}: {expected}, got {', '.join(held)}")
     check_same(where, description.definitions, problem.definitions)
     with within(where):
-        if whole:
-            strategy.load_state(arrays)
-        else:
-            strategy.load_learned({name: array for name, array in arrays.items() if name not in ROW_STATE})
+        strategy.load_learned(arrays)
 
 
 def description_of(path: Path) -> LearnedDescription:

@@ -208,17 +208,20 @@ class DecisionStrategy(ABC):
 
         Arrays of one group are copied to every group; the groups then learn independently.
         """
-        self._load(learned, self.state_names, spread=True)
-
-    @final
-    def state_dict(self) -> Arrays:
-        """Return copies of all arrays on which decisions depend: the learned ones and the random state of rows."""
-        return self.learned() | {name: np.array(getattr(self, name)) for name in ROW_STATE}
-
-    @final
-    def load_state(self, state: Mapping[str, npt.NDArray[Any]]) -> None:
-        """Copy a state that `state_dict` of a strategy of the same class and sizes returned."""
-        self._load(state, (*self.state_names, *ROW_STATE), spread=False)
+        if set(learned) != set(self.state_names):
+            raise ValueError(f"state: expected the arrays {sorted(self.state_names)}, got {sorted(learned)}")
+        for name in self.state_names:
+            own, given = getattr(self, name), np.asarray(learned[name])
+            shapes = {own.shape, (1, *own.shape[1:])}
+            if given.shape not in shapes or not np.can_cast(given.dtype, own.dtype, "same_kind"):
+                got = f"{given.shape} of {given.dtype}"
+                raise ValueError(f"state '{name}': expected {own.shape} of {own.dtype}, got {got}")
+            least, most = self._ranges().get(name, (-LEARNED_LIMIT, LEARNED_LIMIT))
+            within = (given >= least) & (given <= most)  # NaN is not
+            if not within.all():
+                raise ValueError(f"state '{name}': expected {least:g} to {most:g}, got {given[~within][0]:g}")
+        for name in self.state_names:
+            getattr(self, name)[...] = learned[name]
 
     def _prepare(self) -> None:  # noqa: B027  (a hook that may stay empty)
         """Check the parameters and derive values from them; called once, before `_first_state`."""
@@ -271,24 +274,6 @@ class DecisionStrategy(ABC):
         flags.flags.writeable = False
         return flags
 
-    def _load(self, state: Mapping[str, npt.NDArray[Any]], names: tuple[str, ...], *, spread: bool) -> None:
-        if set(state) != set(names):
-            raise ValueError(f"state: expected the arrays {sorted(names)}, got {sorted(state)}")
-        for name in names:
-            own, given = getattr(self, name), np.asarray(state[name])
-            shapes = {own.shape, (1, *own.shape[1:])} if spread else {own.shape}
-            if given.shape not in shapes or not np.can_cast(given.dtype, own.dtype, "same_kind"):
-                got = f"{given.shape} of {given.dtype}"
-                raise ValueError(f"state '{name}': expected {own.shape} of {own.dtype}, got {got}")
-            least, most = self._ranges().get(name, (-LEARNED_LIMIT, LEARNED_LIMIT))
-            within = (given >= least) & (given <= most)  # NaN is not
-            if name != "keys" and not within.all():
-                raise ValueError(f"state '{name}': expected {least:g} to {most:g}, got {given[~within][0]:g}")
-        for name in names:
-            getattr(self, name)[...] = state[name]
-
 
 LEARNED_LIMIT = 1e15
 """Largest absolute value of a learned number; sums up to this value are still exact to a whole reward."""
-ROW_STATE = ("keys", "counters", "chance")
-"""Names of the arrays (R,) that every strategy has besides the learned ones."""

@@ -95,7 +95,7 @@ def test_a_strategy_whose_state_is_wrong_is_one_line(monkeypatch):
         "_prepare": lambda self: setattr(self, "seen", 0),
         "_select": lambda self, d: (setattr(self, "seen", self.seen + 1), np.full(len(d.rows), self.seen % 3))[1],
     }
-    with pytest.raises(PluginError, match="expected to go on from a saved state exactly, got others"):
+    with pytest.raises(PluginError, match="expected to go on from what was learned exactly, got others"):
         check_strategy(broken(monkeypatch, **lucky))
 
 
@@ -178,9 +178,9 @@ def test_late_rewards_of_several_decisions_come_together(fresh):
 
 @each_strategy
 @each_sharing
-def test_saved_state_does_not_move_with_the_strategy(fresh):
+def test_what_was_saved_does_not_move_with_the_strategy(fresh):
     strategy = fresh()
-    state = strategy.state_dict()
+    state = strategy.learned()
     before = {key: value.copy() for key, value in state.items()}
     live(strategy, contexts())
     same(before, state)
@@ -193,7 +193,7 @@ def test_reseeding_with_what_a_new_one_knows_begins_anew(fresh):
     live(strategy, contexts())
     strategy.reseed(np.arange(ROWS), KEYS[100 : 100 + ROWS])
     strategy.load_learned(new.learned())
-    same(strategy.state_dict(), new.state_dict())
+    same(strategy.learned(), new.learned())
     np.testing.assert_array_equal(live(strategy, contexts()), live(new, contexts()))
 
 
@@ -208,10 +208,10 @@ def test_one_option_is_always_taken(fresh):
 @each_sharing
 def test_no_rows_no_decisions(fresh):
     strategy, nothing = fresh(), np.zeros(0, int)
-    before = strategy.state_dict()
+    before = strategy.learned()
     assert strategy.select(np.zeros((0, FEATURES)), rows=nothing).shape == (0,)
     strategy.update(nothing, np.zeros(0), np.zeros((0, FEATURES)), nothing)
-    same(before, strategy.state_dict())
+    same(before, strategy.learned())
 
 
 REWARDS = np.array([[4, 0, 1, 9], [1.0, 7.0, -1.0, 0.5], [0.25, 3.0, 0.0, 1.0]])  # count, mean, variance
@@ -223,7 +223,7 @@ def test_what_a_store_knows_is_where_a_strategy_begins(fresh):
     strategy, other = fresh(replace(PROBLEM, rewards=REWARDS)), fresh()
     if not isinstance(strategy, ValueTable):  # the scores that count are then all it knows
         told = fresh(replace(PROBLEM, scores=strategy.problem.scores))
-        same(strategy.state_dict(), told.state_dict())
+        same(strategy.learned(), told.learned())
         return
     for group in range(other.groups):
         rows = np.flatnonzero(other.group_of == group)[:1].repeat(14)
@@ -263,8 +263,6 @@ NONE = np.zeros((ROWS, FEATURES))
             lambda s: s.update(np.zeros(ROWS, int), np.zeros(ROWS), NONE, chance=np.zeros(ROWS)),
             "chance: expected probabilities above 0",
         ),
-        (lambda s: s.load_state({}), "state: expected the arrays .*counters.*, got"),
-        (lambda s: s.load_state(s.state_dict() | {"keys": np.zeros(99)}), "state 'keys': expected .* got"),
         (lambda s: s.load_learned({"wisdom": np.zeros(3)}), r"state: expected the arrays .*, got \['wisdom'\]"),
     ],
 )
@@ -272,10 +270,10 @@ NONE = np.zeros((ROWS, FEATURES))
 @each_sharing
 def test_what_does_not_fit_is_refused(fresh, use, message):
     strategy = fresh()
-    before = strategy.state_dict()
+    before = strategy.learned()
     with pytest.raises(ValueError, match=message):
         use(strategy)
-    same(before, strategy.state_dict())
+    same(before, strategy.learned())
 
 
 @pytest.mark.parametrize("way", [deepcopy, lambda strategy: pickle.loads(pickle.dumps(strategy))])
