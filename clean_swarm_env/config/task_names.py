@@ -1,8 +1,6 @@
-"""Names of tasks, missions, families and experiments, found without importing any task, which takes a second."""
+"""Names of tasks, missions, families and experiments; tasks are imported only where no file has a name."""
 
-import ast
 from collections.abc import Sequence
-from functools import cache
 from importlib import import_module
 from itertools import chain
 from pathlib import Path
@@ -10,13 +8,9 @@ from typing import Final
 
 from selector.documents.find import files_of, find_file, is_path
 from selector.documents.plain import DocumentError
-from selector.documents.reading import read_text
 from selector.documents.trust import is_import
-from selforg.plugins import load
-from selforg.registry import REGISTRIES, unknown
+from selforg.registry import unknown
 
-TASK: Final = "task"
-"""What the registry of tasks calls one."""
 TASKS_HOME: Final = "clean_swarm_env.tasks"
 """The package whose import registers our tasks."""
 KIND_WORDS: Final = {"missions": "mission", "families": "family", "experiments": "experiment"}
@@ -25,43 +19,16 @@ COMPARED: Final = ("experiments", "missions", "families")
 """The order for comparisons: of a name that is an experiment, too, its conditions are compared."""
 OF_ROBUSTNESS: Final = {"disturbances", "strategies"}
 """Keys of an experiment that compares strategies, in place of conditions."""
-OF_EXPERIMENTS: Final = {"conditions", *OF_ROBUSTNESS}
-"""Keys by which the file of an experiment is told from that of a mission or a family."""
 OWN_TASK: Final = "; a task of your own: --import MODULE or FILE.py"
 """What follows the error of an unknown name."""
 ID_PREFIX: Final = "CleanSwarm-"
 """Beginning of the ids of families."""
 
 
-def task_stories() -> dict[str, str]:
-    """Return the stories of all tasks by name; sources of ours are read, not run: importing them takes a second."""
-    here = Path(__file__).parents[1]
-    load()
-    registries = [registry for registry in REGISTRIES if registry.kind == TASK]  # none if no task has been imported
-    stories = {kind.name: kind.story for registry in registries for kind in registry}
-    for file in (*here.glob("tasks/cleaning/*.py"), *here.glob("tasks/*.py")):
-        stories |= _declared(file)
-    return dict(sorted(stories.items()))
-
-
-@cache
-def _declared(file: Path) -> dict[str, str]:
-    """Return the stories of the tasks that a file of Python code registers."""
-    found, text = {}, read_text(file)
-    for node in ast.parse(text).body if "@TASKS.register" in text else ():
-        if isinstance(node, ast.ClassDef) and "TASKS.register" in map(ast.unparse, node.decorator_list):
-            given = {
-                ast.unparse(part.targets[0]): part.value.value
-                for part in node.body
-                if isinstance(part, ast.Assign) and isinstance(part.value, ast.Constant)
-            }
-            found[str(given.get("name", node.name))] = str(given.get("story", ""))
-    return found
-
-
 def task_names() -> tuple[str, ...]:
-    """Return the names of all tasks, those of plug-ins included."""
-    return tuple(task_stories())
+    """Return the names of all tasks, those of plug-ins included; importing these takes a second."""
+    names: tuple[str, ...] = import_module(TASKS_HOME).TASKS.names()
+    return names
 
 
 def family_ids(directories: Sequence[Path] = ()) -> dict[str, str]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from clean_swarm_env.config.events import Fail, Join, Land, Remove, Respawn, SetDelivery
 from clean_swarm_env.config.robots import RobotModel
-from clean_swarm_env.config.task_names import TASK, TASKS_HOME
+from clean_swarm_env.config.task_names import TASKS_HOME
 from clean_swarm_env.config.types import ArrivalRate, Items, Length, Point, Spots
 from selector.documents.errors import DocumentError, impossible
 from selector.documents.fields import Closed, Name
@@ -143,7 +143,7 @@ class TaskKind:
         return family.mission.task, []
 
 
-TASKS: Registry[TaskKind] = Registry(TASK, lambda kind: kind.name, TASKS_HOME, TaskKind)
+TASKS: Registry[TaskKind] = Registry("task", lambda kind: kind.name, TASKS_HOME, TaskKind)
 """Tasks by name."""
 
 

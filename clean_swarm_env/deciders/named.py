@@ -15,7 +15,6 @@ from typing import Any
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.deciders.decided_goal import AskedGoal, option_named
 from clean_swarm_env.deciders.decider import BaselineDecider, Decider, DeciderMaker, mode_of
-from clean_swarm_env.deciders.labelled import BY_MODEL
 from clean_swarm_env.deciders.machines import MachineDecider
 from clean_swarm_env.deciders.models import LOADERS, ModelDecider, remembered
 from clean_swarm_env.deciders.models_of_robots import ByModelDecider
@@ -36,6 +35,8 @@ from selector.strategies.registry import StrategySpec, named, named_in, spec_fro
 from selforg.arrays import Ints
 
 FIXED, POLICY, LEARNED, MACHINE, VELOCITY = FILED_KINDS
+BY_MODEL = "models"
+"""Kind of a decider that follows one for each model of robots."""
 DIGEST = " sha256:"
 """What follows the text of a decider that names a file, before the digest of the file."""
 

@@ -21,7 +21,7 @@ from reprlib import repr as brief
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
-from pydantic import Field, create_model, model_validator
+from pydantic import ConfigDict, Field, create_model, model_validator
 
 from clean_swarm_env.config.task_names import TASKS_HOME
 from clean_swarm_env.config.tasks import TASKS
@@ -79,6 +79,7 @@ class RewardConfig(WeightsConfig):
     It takes weights of what any task counts as well; `weights_of` has those of one task.
     """
 
+    model_config = ConfigDict(use_attribute_docstrings=True)
     cost: Number = -0.01
     """For each second by which the cost of the mission grew: time, collisions, and at the end what is left [1/s]."""
     time: Number = 0.0

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 
 from selector.documents.plain import DocumentError, shown
 from selector.documents.reading import read_mapping
-from selforg.plugins import folders, load
-from selforg.registry import REGISTRIES, unknown
+from selforg.plugins import folders
+from selforg.registry import unknown
 
 if TYPE_CHECKING:
     from selector.documents.errors import M
@@ -109,13 +109,9 @@ def all_files(kind: str, name: str, directories: Sequence[Path] = ()) -> list[Pa
     return [path for root in roots if (path := root / kind / (name + KINDS[kind].ending)).is_file()]
 
 
-def plugin_names() -> dict[str, dict[str, str]]:
-    """Return the names that plug-ins have brought, each with its origin, by kind: of classes, and of files."""
-    load()
-    names = {registry.kind: registry.origins() for registry in REGISTRIES}
-    for kind in KINDS:
-        names[kind] = {name: origin for folder, origin in folders().items() for name in _files_in(folder, kind)}
-    return {kind: own for kind, own in names.items() if own}
+def file_origins(kind: str) -> dict[str, str]:
+    """Return the names of the files of a kind that plug-ins have brought, each with its origin."""
+    return {name: origin for folder, origin in folders().items() for name in _files_in(folder, kind)}
 
 
 def _files_in(root: Path, kind: str) -> dict[str, Path]:

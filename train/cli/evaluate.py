@@ -5,21 +5,11 @@ from typing import Annotated
 
 import typer
 
-from clean_swarm_env.config.task_names import COMPARED, OF_EXPERIMENTS, OF_ROBUSTNESS, named_file
 from selector.documents.plain import DocumentError as ConfigurationError
-from selector.documents.reading import read_mapping
-from selforg.registry import unknown
-from train.cli.listing import check_named, conditions_in
+from train.cli.listing import check_named
 from train.cli.options import REPORTING, GivenOptions, asking, check_there, check_whole, wide_console
 
 MOST_WORLD_SEEDS = 100
-OF_FAMILIES = dict.fromkeys(("--starts", "--condition"), "with an experiment, and no strategies,")
-OF_DISTURBANCES = dict.fromkeys((*OF_FAMILIES, "--store", "--learn"), "with experiments without disturbances")
-OF_CONDITIONS = {
-    "--goal": "with strategies, or an experiment with disturbances",
-    "--learn": "with strategies, which choose once in a mission,",
-}
-"""Options that mean nothing where strategies are compared, under disturbances, or conditions: where they do."""
 
 
 @asking("scenarios", "seed", "knowledge", "goal", "store", "learn", "record", "minds", *REPORTING)
@@ -60,24 +50,7 @@ def evaluate_command(
     if values["learn"] and values["workers"] not in (None, 1):
         expected = "expected 1 with --learn, where missions learn in turn"
         raise ConfigurationError(f"--workers: {expected}, got {values['workers']}")
-    compared = strategy or values["knowledge"] or world_seeds > 1
-    path = None if compared or Path(name).is_dir() else named_file(name, given.directories, kinds=COMPARED)
-    keys = set() if path is None else OF_EXPERIMENTS & read_mapping(path).keys()
-    refused = OF_FAMILIES if not keys else OF_DISTURBANCES if keys & OF_ROBUSTNESS else OF_CONDITIONS
-    asked = {
-        "--starts": starts,
-        "--condition": condition,
-        **{f"--{key}": values[key] for key in ("goal", "store", "learn")},
-    }
-    for option, where in refused.items():
-        if asked[option]:
-            raise ConfigurationError(f"{option}: expected {where} only")
-    if not keys:
-        check_named(given.directories, strategy, name=name, knowledge=values["knowledge"])
-    elif path is not None and condition and (known := conditions_in(path)):
-        for one in condition:
-            if one not in known:
-                raise ConfigurationError(f"{Path(name).stem}: {unknown('condition', one, known)}")
+    check_named(given.directories, name=name, knowledge=values["knowledge"])
     check_there(starts)
     from train.evaluation import pipeline  # these import Numba
     from train.evaluation.comparing import Comparing

@@ -1,55 +1,33 @@
-"""`clean-swarm list`: what there is, by kind: names in columns, with a line on what each is.
-
-Sources and files are read, not run: importing what registers names takes seconds.
-"""
+"""`clean-swarm list`: what there is, by kind: names in columns, with a line on what each is."""
 
 import re
 from collections.abc import Sequence
-from itertools import chain
+from importlib import import_module
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from clean_swarm_env.config.task_names import named_file, task_stories
-from clean_swarm_env.deciders.labelled import BY_MODEL, FILED, label_and_members
-from selector.documents.find import KINDS, SHIPPED, files_of, find_file, is_path, plugin_names
+from clean_swarm_env.config.task_names import named_file
+from selector.documents.find import KINDS, file_origins, files_of, find_file
 from selector.documents.plain import DocumentError, plain
 from selector.documents.plain import DocumentError as ConfigurationError
 from selector.documents.reading import read_mapping
-from selector.documents.trust import BASELINE, FILED_KINDS, FOREIGN_ENDINGS, is_import
-from selforg.plugins import installed, named_plugins
-from selforg.registry import unknown
-from train.cli.options import Configs, check_there, wide_console
+from selforg.registry import Registry, unknown
+from train.cli.options import Configs, wide_console
 
-MEMBER_FILES = {"policy": "policies", "learned": "strategies", "fsm": "machines"}
-"""Kind of a strategy -> kind of its file."""
-CLASS = r"(?s)@{}\.register\n(?:@[^\n]*\n)?class (?P<name>\w+).*?\"\"\"(?P<line>.*?)\"\"\""
 SENTENCE_END = re.compile(r"(?<=[A-Za-z0-9)`])(?<!\bFig)(?<!\bEq)(?<!\bal)(?<!\bvs)(?<!e\.g)(?<!i\.e)[.:](?: |$)")
-DECLARED = {
-    "action-classes": ("selforg/components/**/*.py", CLASS.format("ACTIONS")),
-    "activator-classes": ("selforg/network/model/**/*.py", CLASS.format("ACTIVATORS")),
-    "sensor-classes": ("selforg/components/**/*.py", CLASS.format("SENSORS")),
-    "strategy-classes": ("selector/strategies/**/*.py", CLASS.format("STRATEGIES")),
-    "mechanism-classes": (
-        "selforg/mechanisms/**/*.py",
-        CLASS.format("MECHANISMS"),
-        r"(?sm)^\w+ = \w+\.variant\(\s*\"(?P<name>\w+)\"(?P<line>)",
-    ),
-    "reward-terms": (
-        "clean_swarm_env/learning/reward.py",
-        r"(?sm)^    (?P<name>\w+): (?:Number|Share) = -?[\d.]+\n    \"\"\"(?P<line>.*?)\"\"\"",
-    ),
-    "terms": (
-        "clean_swarm_env/**/*terms.py",
-        r"(?sm)@\w+\.term\(\s*\"(?P<name>\w+)\"(?:(?!\ndef ).)*\ndef [^\n]*:\n    \"\"\"(?P<line>.*?)\"\"\"",
-        r"(?sm)^class \w+\([^\n]*\):\n    \"\"\"(?P<line>.*?)\"\"\"(?:(?!^class ).)*?"
-        r"^    name = \"(?P<name>\w+)\"",
-    ),
+REGISTERED = {
+    "action-classes": ("selforg.components.actions", "ACTIONS"),
+    "activator-classes": ("selforg.network.model.activators", "ACTIVATORS"),
+    "mechanism-classes": ("selforg.mechanisms", "MECHANISMS"),
+    "reward-terms": ("clean_swarm_env.learning.reward", "REWARD_TERMS"),
+    "sensor-classes": ("selforg.components.sensors", "SENSORS"),
+    "strategy-classes": ("selector.strategies.registry", "STRATEGIES"),
+    "tasks": ("clean_swarm_env.tasks", "TASKS"),
+    "terms": ("clean_swarm_env.learning.observation.term", "TERMS"),
 }
-"""Part of a kind -> places and patterns of the sources that declare it, with a name and a line."""
-REGISTERED = {"reward-terms": "reward term", "terms": "observation term", "tasks": "task"}
-"""Part of a kind -> what the registry of it calls a class, where that is not the beginning of its name."""
+"""Part of a kind -> the module that registers it, and its registry."""
 LINES = {
     "action-classes": "actions in code: `type:` of an action of a behaviour",
     "activator-classes": "activators in code: `type:` of an activator of a condition",
@@ -108,43 +86,11 @@ def list_command(
     console.print(told or "\nclean-swarm list KIND shows the names of one kind, and where they go")
 
 
-def check_named(configs: Sequence[Path] | None, strategies: Sequence[str] | None = None, **given: str | None) -> None:
-    """Raise the error of a name that nothing has, before libraries are imported that take seconds; kind -> name."""
-    directories = tuple(configs or ())
+def check_named(directories: Sequence[Path], **given: str | None) -> None:
+    """Raise the error of a name of a file that nothing has, before libraries are imported; kind -> name."""
     for kind, name in given.items():
         if name is not None:
             _ = named_file(name, directories) if kind == "name" else find_file(kind, name, directories)
-    # those of the user may have more options
-    theirs = is_import(given.get("name") or "") or any(is_path("knowledge", name or "") for name in given.values())
-    ours = not (directories or named_plugins() or installed() or theirs)
-    for text in strategies or ():
-        for member in label_and_members(text)[1]:
-            _check_member(member, f"--strategy {text}: ", directories, ours=ours)
-
-
-def _check_member(member: str, where: str, directories: Sequence[Path], *, ours: bool) -> None:
-    """Raise the error of a strategy that there is not; of options only if all are `ours`."""
-    kind, _, name = member.partition(":")
-    if kind == BY_MODEL:
-        for own in filter(None, (pair.partition("=")[2] for pair in name.split(";"))):
-            _check_member(own, where, directories, ours=ours)
-    elif kind == FILED_KINDS[0] and ours:
-        _check_options(where, name)
-    elif kind in FILED and name.endswith(FOREIGN_ENDINGS):
-        check_there(Path(name), where=where)
-    elif kind in MEMBER_FILES:
-        find_file(MEMBER_FILES[kind], name, directories, where)
-    elif not name and kind not in (*FILED_KINDS, BASELINE, *(known := names_of("strategy-classes", ()))):
-        raise ConfigurationError(where + unknown("strategy", kind, tuple(known)))
-
-
-def _check_options(where: str, names: str) -> None:
-    """Raise the error of an option that no expert knowledge of ours has."""
-    goals = chain(*(read_mapping(path)["goals"].values() for path in files_of("knowledge").values()))
-    known = {option.get("name", option.get("configuration")) for own in goals for option in own}
-    for name in filter(None, names.split("+")):
-        if name not in known:
-            raise ConfigurationError(where + unknown("option", name, sorted(known)))
 
 
 def names_of(kind: str, directories: Sequence[Path], *, told: bool = True) -> dict[str, str]:
@@ -152,19 +98,21 @@ def names_of(kind: str, directories: Sequence[Path], *, told: bool = True) -> di
 
     Lines of files are empty unless they are to be `told`: reading a hundred files takes half a second.
     """
-    if kind == "tasks":
-        found = task_stories()  # those of plug-ins that are imported, too
-    elif kind in KINDS:
-        line = _conditions if kind == "experiments" else _line
+    if kind in KINDS:
+        line, origins = _conditions if kind == "experiments" else _line, file_origins(kind)
         found = {name: line(path) if told else "" for name, path in files_of(kind, directories).items()}
     else:
-        places, *patterns = DECLARED[kind]
-        texts = [path.read_text(encoding="utf-8") for path in SHIPPED.parent.glob(places)]
-        matches = (match for text in texts for pattern in patterns for match in re.finditer(pattern, text))
-        found = {match["name"]: _first_sentence(match["line"]) for match in matches}
-    brought = plugin_names() if named_plugins() or installed() else {}  # their code runs, if there are any
-    for name, origin in brought.get(REGISTERED.get(kind, kind.removesuffix("-classes")), {}).items():
-        found[name] = f"{found.get(name, '')} (from {origin})".strip()
+        module, name = REGISTERED[kind]
+        registry: Registry[Any] = getattr(import_module(module), name)
+        texts = {one: registry.find(one) for one in registry.names()}
+        found = {one: getattr(cls, "story", "") or _first_sentence(cls.__doc__ or "") for one, cls in texts.items()}
+        origins = registry.origins()
+    if kind == "reward-terms":  # ours are the fields of a reward
+        from clean_swarm_env.learning.reward import RewardConfig
+
+        found |= {name: _first_sentence(one.description or "") for name, one in RewardConfig.model_fields.items()}
+    for name, origin in origins.items():
+        found[name] = f"{found[name]} (from {origin})".strip()
     return dict(sorted(found.items()))
 
 
@@ -195,13 +143,8 @@ def _first_sentence(text: str) -> str:
     return re.split(SENTENCE_END, " ".join(text.split()))[0]
 
 
-def conditions_in(path: Path) -> list[str]:
-    """Return the names of the conditions in the file of an experiment; none where it takes them from another file."""
-    held = read_mapping(path).get("conditions")
-    return [str(part.get("name")) for part in held if isinstance(part, dict)] if isinstance(held, list) else []
-
-
 def _conditions(path: Path) -> str:
-    """Return what an experiment is, and its conditions."""
-    names = conditions_in(path)
+    """Return what an experiment is, and its conditions; none where it takes them from another file."""
+    held = read_mapping(path).get("conditions")
+    names = [str(part.get("name")) for part in held if isinstance(part, dict)] if isinstance(held, list) else []
     return _line(path) + (f" [{', '.join(names)}]" if names else "")

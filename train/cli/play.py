@@ -65,7 +65,7 @@ def play_command(
     check_whole({"--scenario": (scenario, 1, MOST_SCENARIOS), "--seed": (seed, 0, MOST_SEED)})
     check_whole({"--port": (port, 0, MOST_PORT)})
     directories = tuple(configs or ())
-    check_named(directories, [strategy] if strategy else (), name=None if name.endswith(".swarm") else name)
+    check_named(directories, name=None if name.endswith(".swarm") else name)
     if sys.stderr.isatty():
         typer.echo(f"starting {name}; on a new machine it compiles first, about a minute", err=True)
     from train.live.chosen import chosen, playable, remarks  # imports Numba

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import ClassVar, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -46,6 +46,14 @@ from train.running.run_folder import fingerprints
 from train.running.runs import RunRecord
 from train.running.trial_task import TASK_SCENARIOS, TrialTask
 
+OF_FAMILIES = dict.fromkeys(("--starts", "--condition"), "with an experiment, and no strategies,")
+OF_DISTURBANCES = dict.fromkeys((*OF_FAMILIES, "--store", "--learn"), "with experiments without disturbances")
+OF_CONDITIONS = {
+    "--goal": "with strategies, or an experiment with disturbances",
+    "--learn": "with strategies, which choose once in a mission,",
+}
+"""Options that mean nothing where strategies are compared, under disturbances, or conditions: where they do."""
+
 
 class Starts(NamedTuple):
     """Where the start configurations of an experiment come from."""
@@ -64,7 +72,6 @@ class Comparing(Evaluation):
     Args:
         request: the request.
         document: the experiment or the family, unless it is the one that the request names.
-        settings: what the identity says besides of the evaluation.
 
     Attributes:
         document: the experiment or the family.
@@ -75,23 +82,14 @@ class Comparing(Evaluation):
 
     """
 
-    usual: ClassVar[tuple[str, ...]] = (FIXED,)
-    """Strategies on a family that names none."""
-    beside_baselines = True
-    """Whether Off and Random come beside the strategies that are asked for."""
-
-    def __init__(
-        self,
-        request: Request,
-        document: ExperimentConfig | FamilyConfig | None = None,
-        **settings: object,
-    ) -> None:
+    def __init__(self, request: Request, document: ExperimentConfig | FamilyConfig | None = None) -> None:
         super().__init__(request)
         self.document, self.starts = (document, Starts()) if document is not None else asked_of(request)
+        _check_meant(request, self.document)
         document, where = self.document, request.name if request.starts is None else shown(request.starts)
         strategies = request.strategies
         if isinstance(document, FamilyConfig):
-            strategies, count = strategies or document.strategies or self.usual, request.scenarios or document.scenarios
+            strategies, count = strategies or document.strategies or (FIXED,), request.scenarios or document.scenarios
             self.scenarios = [scenario_name("test", k, world) for k in range(count) for world in range(request.worlds)]
             missions = len(self.scenarios) * max(len(strategies), 1)
         else:
@@ -108,7 +106,7 @@ class Comparing(Evaluation):
             goal, told = request.goal, "--strategy {}"
             self.problem = DecidedGoal(self.batch, goal).problem
             conditions = conditions_of(strategies, self.problem.options)
-            if self.beside_baselines and not request.store.learn:
+            if not request.store.learn:
                 conditions = with_baselines(conditions, self.problem.options, document.mission)
         else:
             goals = [coordinator.model.goal for coordinator in self.batch.worlds.coordinators]
@@ -143,7 +141,7 @@ class Comparing(Evaluation):
         if store.learn:
             self.choosers()  # a strategy that cannot choose for a whole mission is an error
         self.memory = store.memory(known, self.context, source)
-        self.identify(self.comparison, **settings)
+        self.identify(self.comparison)
 
     def _identified(self, condition: Deciders) -> Deciders:
         members = tuple(decider_named(member, self.directories).identity for member in condition.members)
@@ -219,6 +217,16 @@ def _check_planner(mission: MissionConfig) -> None:
         check_planner(mission.network.planner)
     except (ValueError, ModuleNotFoundError) as error:
         raise ConfigurationError(f"mission.network.planner: {error}") from error
+
+
+def _check_meant(request: Request, document: ExperimentConfig | FamilyConfig) -> None:
+    """Raise ConfigurationError for an option that means nothing for a document."""
+    given: dict[str, object] = {"--starts": request.starts, "--condition": request.conditions, "--goal": request.goal}
+    given |= {"--store": request.store.path, "--learn": request.store.learn}
+    of_families = OF_DISTURBANCES if isinstance(document, FamilyConfig) and document.disturbances else OF_FAMILIES
+    for option, where in (OF_CONDITIONS if isinstance(document, ExperimentConfig) else of_families).items():
+        if given[option]:
+            raise ConfigurationError(f"{option}: expected {where} only")
 
 
 def asked_of(request: Request) -> tuple[ExperimentConfig | FamilyConfig, Starts]:

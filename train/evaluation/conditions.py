@@ -11,7 +11,6 @@ import numpy as np
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.deciders.decided_goal import DecidedGoal
-from clean_swarm_env.deciders.labelled import label_and_members
 from clean_swarm_env.deciders.named import FIXED, decider_named, without_digest
 from clean_swarm_env.deciders.unseen import decided_and_held, remarks_of, undecided
 from clean_swarm_env.learning.batch import Batch
@@ -19,12 +18,26 @@ from clean_swarm_env.learning.observation.config import usual_terms
 from clean_swarm_env.learning.observation.observer import Observer
 from clean_swarm_env.world.task import task_class
 from selector.documents.fields import JOINT, checked_name
-from selector.documents.trust import BASELINE
+from selector.documents.trust import BASELINE, FILED_KINDS
 from train.analysis.verdict import RANDOM
 from train.evaluation.comparison import Deciders
 
 UNTAUGHT = "has learned nothing and learns nothing; --learn, or `clean-swarm train bandit`, teaches it"
 """What is said of a strategy that could learn."""
+
+
+def label_and_members(text: str) -> tuple[str | None, tuple[str, ...]]:
+    """Return the label of a strategy, None without one, and what decides.
+
+    `LABEL=...` names it; + joins files of several seeds of one training.
+    """
+    label, equals, rest = text.partition("=")
+    if not equals or ":" in label:
+        label, rest = "", text
+    kind, _, names = rest.partition(":")
+    filed = kind in FILED_KINDS and kind != FIXED
+    members = tuple(f"{kind}:{name}" for name in names.split("+")) if filed else (rest,)
+    return (label if rest != text else None), members
 
 
 def conditions_of(strategies: Sequence[str], options: Sequence[str]) -> dict[str, Deciders]:

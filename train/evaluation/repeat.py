@@ -39,11 +39,6 @@ from train.running.run_folder import (
 from train.running.runs import RunKey
 from train.running.trial_task import TrialTask
 
-NOT_REPEATED = {
-    "learner": "a training: replay files below its recordings/, or evaluate its result",
-    "headroom": "a search for headroom: evaluate its result",
-}
-"""Key of the identity of results whose missions are not run again -> what they are of, and what to do."""
 LISTED = 8
 """Largest number of scenarios in an error."""
 
@@ -67,9 +62,9 @@ def task_of(directory: Path, scenario: str | None = None, condition: str | None 
 
     """
     manifest, path = read_manifest(directory), directory / MANIFEST
-    for key, kind in NOT_REPEATED.items():
-        if key in manifest["identity"]:
-            raise ConfigurationError(f"{directory}: expected the results of an evaluation, got those of {kind}")
+    if "learner" in manifest["identity"]:
+        training = "a training: replay files below its recordings/, or evaluate its result"
+        raise ConfigurationError(f"{directory}: expected the results of an evaluation, got those of {training}")
     comparison = Comparison.read(manifest, directory)
     _check_same_files(comparison, path)
     keys = [record.key for record in runs_of(directory / JOURNAL)]

@@ -8,7 +8,6 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from clean_swarm_env.config.load import load_family, load_mission
-from clean_swarm_env.config.task_names import task_stories
 from clean_swarm_env.config.tasks import find_task
 from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.deciders.decided_goal import DecidedGoal
@@ -57,10 +56,6 @@ def course(batch, seeds, led=False, steps=SECONDS):
 def test_every_goal_of_the_library_has_a_task():
     assert set(load_knowledge("library").goals) == FOURTEEN
     assert set(TASKS.names()) == FOURTEEN | {"Cleaning", "Shepherding"}
-
-
-def test_sources_tell_names_and_stories_of_all_tasks():
-    assert task_stories() == {name: find_task(name).story for name in sorted({*FOURTEEN, "Cleaning", "Shepherding"})}
 
 
 @every_task

@@ -194,13 +194,16 @@ def test_listing_names_everything_of_each_kind():
         out = done("list", kind)
         assert all(name in out for part in parts for name in (files_of(part) if part in KINDS else ()))
     assert "RepulsionFernandez-view1.5" in done("list", "experiments")
-    for kind, name in (
-        ("strategies", "UCB1"),
-        ("tasks", "CircleFormation"),
-        ("terms", "encounter"),
-        ("classes", "ORCA"),
+    for kind, name, line in (
+        ("strategies", "UCB1", "strategy-classes  UCB1 (Auer, Cesa-Bianchi & Fischer 2002"),
+        ("tasks", "Foraging", "12 robots bring food"),
+        ("terms", "encounter", "terms         The nearest robot heard"),
+        ("terms", "completed", "reward-terms  Shaping"),
+        ("classes", "ORCA", "mechanism-classes  "),
+        ("classes", "AvoidAll", "mechanism-classes  "),
     ):
-        assert name in done("list", kind)
+        (told,) = [row for row in done("list", kind).splitlines() if row.startswith(f"{name} ")]
+        assert line in told
     assert done("--version") == f"clean-swarm {__version__}\n"
 
 

@@ -12,7 +12,6 @@ from functools import partial
 import pytest
 
 from clean_swarm_env import Batch
-from selector.documents.find import plugin_names
 from selforg import plugins
 from tests.paths import ROOT
 from tests.train import commands
@@ -109,16 +108,6 @@ def test_names_say_where_they_come_from(installed):
     for name, kind in (names | {"Second": "strategies"}).items():
         (line,) = [line for line in done(installed, "list", kind).splitlines() if line.startswith(f"{name} ")]
         assert line.endswith("(from my-swarm 0.1.0)")
-    origin = "my-swarm 0.1.0"
-    assert apart(plugin_names, installed) == {
-        "mechanism": {"KeepDistance": origin},
-        "sensor": {"Pushed": origin},
-        "strategy": {"Second": origin},
-        "task": {"KeepApart": origin},
-        "mechanisms": {"KeepDistance": origin},
-        "knowledge": {"my_swarm": origin},
-        "families": {"parting": origin},
-    }
 
 
 def test_a_plugin_that_is_only_named_is_known_as_well_and_not_without(site):

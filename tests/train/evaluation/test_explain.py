@@ -209,7 +209,6 @@ def test_what_is_no_directory_of_results_is_refused(tmp_path):
         ("[]", "manifest.json: expected a mapping of keys, got list"),
         ("{}", "expected the manifest of an evaluation"),
         ('{"identity": {"learner": "ppo"}}', "expected the results of an evaluation, got those of a training"),
-        ('{"identity": {"headroom": {}, "family": {}}}', "got those of a search for headroom"),
     ],
 )
 def test_a_manifest_of_something_else_is_refused(tmp_path, manifest, expected):

@@ -105,7 +105,7 @@ def test_what_strategies_learned_is_taken_from_their_files(words, undrawn, tmp_p
         (("--strategy", "learned:none"), "unknown learned strategy 'none'"),
         (("--strategy", "fixed:Nothing"), "unknown option 'Nothing'"),
         (("--strategy", "fsm:rule", "--knowledge", "cleaning"), "machine: options: knows RepulsionGradient-from0.25, "),
-        (("--starts", "x.json"), "--starts: expected with an experiment"),
+        (("--condition", "A"), "--condition: expected with an experiment"),
     ],
 )
 def test_mistakes_are_one_line_and_nothing_is_written(words, tmp_path, more, line):
