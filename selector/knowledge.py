@@ -1,6 +1,6 @@
 """Expert knowledge: the options that can serve each goal, with scores by an expert and what was learned of them."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 from selector.documents.errors import DocumentError, check_unique, shown, validated
 from selector.documents.fields import JOINT, Closed, DocumentName, Label, Name, NonNegative, Number, checked_name
 from selector.documents.find import all_files, files_of, find_file
-from selector.documents.plain import plain, short
+from selector.documents.plain import must_know, plain, short
 from selector.documents.reading import read_mapping
 from selforg.arrays import Floats
 from selforg.registry import unknown
@@ -147,8 +147,7 @@ class Knowledge:
 
     def options(self, goal: str) -> tuple[Option, ...]:
         """Return the options of a goal, O of them."""
-        if goal not in self.table:
-            raise DocumentError(f"{self.source}: {unknown('goal', goal, self.goals)}")
+        must_know("goal", goal, self.goals, self.source)
         return self.table[goal]
 
     def scores(self, goal: str) -> Floats:
@@ -198,8 +197,7 @@ class Knowledge:
     def _check_options(self, goal: str, given: Iterable[str]) -> None:
         names = [option.name for option in self.options(goal)]
         for name in given:
-            if name not in names:
-                raise DocumentError(f"{self.source}: goals.{goal}: {unknown_option(goal, name, names)}")
+            must_know_option(goal, name, names, f"{self.source}: goals.{goal}")
 
 
 def learned_from(content: object, where: str) -> LearnedScores:
@@ -263,11 +261,13 @@ def knowledge_from(content: object, source: str = "knowledge", directories: Sequ
     return Knowledge(table, source, robot=file.robot).with_learned(file.learned)
 
 
-def unknown_option(goal: str, name: str, known: Sequence[str]) -> str:
-    """Return the text of an option that is not among those `known`, and the knowledge that has it for the goal.
+def must_know_option(goal: str, name: str, known: Collection[str], where: str) -> None:
+    """Raise DocumentError for an option that is not among those `known`; names the knowledge that has it for the goal.
 
     Names of several goals, and of their options, are joined by `+`.
     """
+    if name in known:
+        return
     goals, wanted = goal.split(JOINT), set(name.split(JOINT))
     holding = [
         other
@@ -275,7 +275,7 @@ def unknown_option(goal: str, name: str, known: Sequence[str]) -> str:
         if wanted <= {option.name for each in goals for option in table.get(each, ())}
     ]
     found = f"; it is in the knowledge {', '.join(holding)} (--knowledge)" if holding else ""
-    return unknown("option", name, known) + found
+    must_know("option", name, known, where, found)
 
 
 def load_knowledge(name: str, directories: Sequence[Path] = ()) -> Knowledge:

@@ -15,7 +15,7 @@ from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.given import config_from
 from clean_swarm_env.learning.interface import ManyWorlds
 from clean_swarm_env.learning.joined import Joined
-from selforg.registry import unknown
+from selector.documents.plain import must_know
 
 OPTION, CORRECTION = "option", "correction"
 """Keys of an action that is both an option and a vector."""
@@ -86,8 +86,7 @@ def start_of(options: Mapping[str, Any] | None, known: Sequence[str] = ("start",
     if options is not None and not isinstance(options, Mapping):
         raise TypeError(f"options: expected a dictionary, got {brief(options)}")
     for key in options or {}:
-        if key not in known:
-            raise ValueError(f"options: {unknown('key', str(key), known)}")
+        must_know("key", str(key), known, "options")
     start = (options or {}).get("start")
     return None if start is None else config_from(StartConfiguration, start, "options['start']")
 

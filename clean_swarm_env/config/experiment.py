@@ -10,11 +10,11 @@ from clean_swarm_env.config.families import Scenario
 from clean_swarm_env.config.mission import MissionConfig, OptionScores, StartConfiguration
 from clean_swarm_env.config.starts import for_start, run_seed
 from clean_swarm_env.config.types import Scenarios
-from selector.documents.errors import DocumentError, check_unique
+from selector.documents.errors import check_unique
 from selector.documents.fields import Closed, Label, Name, Number
+from selector.documents.plain import must_know
 from selector.documents.trust import BASELINE, FILED_KINDS, FOREIGN_ENDINGS, check_trust
 from selector.strategies.registry import BY_SCORE, spec_from_text
-from selforg.registry import unknown
 
 
 def _checked(given: str) -> str:
@@ -77,8 +77,7 @@ class GivenStarts(Closed):
     def scenario_named(self, seed: int, name: str) -> Scenario:
         """Return the scenario that begins as the start of a name; DocumentError if there is none."""
         found = {start.id: start for start in self.starts}
-        if name not in found:
-            raise DocumentError(unknown("scenario", name, list(found)))
+        must_know("scenario", name, found)
         return Scenario(name, run_seed(seed, name), for_start(self.mission, found[name]), found[name])
 
     def bound(self, name: str) -> MissionConfig:

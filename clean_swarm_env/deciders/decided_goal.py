@@ -25,7 +25,7 @@ from clean_swarm_env.learning.observation.observer import Observations
 from selector.documents.errors import DocumentError
 from selector.documents.fields import JOINT
 from selector.documents.trust import BASELINE
-from selector.knowledge import unknown_option
+from selector.knowledge import must_know_option
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
 from selforg.registry import unknown
@@ -146,7 +146,7 @@ def option_named(problem: Problem, name: str) -> str:
     wanted = set(name.split(JOINT))
     fitting = [option for option in problem.options if option == name or wanted <= set(option.split(JOINT))]
     if not fitting:
-        raise DocumentError(f"goal {problem.goal}: {unknown_option(problem.goal, name, problem.options)}")
+        must_know_option(problem.goal, name, problem.options, f"goal {problem.goal}")
     return max(fitting, key=lambda option: problem.scores[problem.options.index(option)])
 
 

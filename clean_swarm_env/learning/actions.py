@@ -17,10 +17,10 @@ from clean_swarm_env.world.worlds import Worlds
 from selector.coordination.model import CoordinatorModel
 from selector.documents.errors import DocumentError
 from selector.documents.fields import Closed, Name
+from selector.documents.plain import must_know
 from selforg.arrays import Flags, Floats, Ints
 from selforg.compiler.decorators import kernel, lean_kernel
 from selforg.elementary import sine_cosine
-from selforg.registry import unknown
 
 Mode = Literal["option", "velocity", "both"]
 
@@ -67,11 +67,9 @@ class LearnerActions:
         self.default: Ints = np.array([int(np.argmax(model.scores)) for model in models], dtype=np.int64)
         names = [name for model in models for name in model.options]
         for name, served in config.serves.items():
-            if name not in names:
-                raise DocumentError(f"actions: serves: {unknown('option', name, names)}")
+            must_know("option", name, names, "actions: serves")
             for phase in served:
-                if phase not in phases:
-                    raise DocumentError(f"actions: serves: {name}: {unknown('phase', phase, phases)}")
+                must_know("phase", phase, phases, f"actions: serves: {name}")
         self._table: Flags = np.array([[p in config.serves.get(n, phases) for n in names] for p in phases])  # (P, O)
         self._stand_in: Ints = np.zeros((len(phases), len(models)), dtype=np.int64)
         for k, model in enumerate(models):

@@ -29,8 +29,8 @@ from clean_swarm_env.world.team_changes import Team
 from clean_swarm_env.world.view import TaskView
 from selector.coordination.coordinator import Coordinator, hold_options
 from selector.coordination.model import CoordinatorModel
-from selector.documents.errors import DocumentError
-from selector.knowledge import unknown_option
+from selector.documents.plain import must_know
+from selector.knowledge import must_know_option
 from selforg.arrays import OUTSIDE, READ, Flags, Floats, Ints
 from selforg.program import (
     AFTER_ACTING,
@@ -44,7 +44,6 @@ from selforg.program import (
     Step,
     bits_of,
 )
-from selforg.registry import unknown
 from selforg.sealing import sealed, unsealed
 
 THOUGHT: Final = bits_of(range(SENSE, AFTER_LEAVING + 1))
@@ -276,9 +275,7 @@ def bind_options(mission: MissionConfig, coordinators: Sequence[Coordinator], wo
     for number, group in enumerate(mission.robots.models):
         where = f"mission {mission.name}: robots.groups.{number}.holds" if mission.robots.groups else "robots.holds"
         for goal, option in group.holds.items():
-            if goal not in goals:
-                raise DocumentError(f"{where}: {unknown('coordinated goal', goal, list(goals))}")
+            must_know("coordinated goal", goal, goals, where)
             options = goals[goal].model.options
-            if option not in options:
-                raise DocumentError(f"{where}.{goal}: {unknown_option(goal, option, options)}")
+            must_know_option(goal, option, options, f"{where}.{goal}")
             goals[goal].bind(np.flatnonzero(models == number), options.index(option))

@@ -11,8 +11,8 @@ from typing import Annotated, Any, Generic, Literal, Self, TypeVar
 
 from pydantic import Field, model_validator
 
-from selector.documents.errors import DocumentError
 from selector.documents.fields import Closed, Flag, Name, NonNegative, Number
+from selector.documents.plain import must_know
 from selector.vocabulary.components import ActionSpecs, ComponentSpec, MechanismSpec, SensorSpec, TargetSpec
 from selector.vocabulary.conditions import AnyCondition, BehaviourSpec, GoalSpec, plain_conditions
 from selector.vocabulary.settings import SettingsSpec
@@ -21,7 +21,6 @@ from selforg.mechanisms import MECHANISMS
 from selforg.network.model.activators import BOOLEAN_RULE
 from selforg.network.model.behaviours import Behaviour, Goal, Sensor, SensorKind
 from selforg.network.model.model import NetworkModel
-from selforg.registry import unknown
 
 BESIDE = {Steer.__name__, HandOver.__name__}
 """Types of the actions that robots do beside what other behaviours command."""
@@ -138,7 +137,7 @@ class ActingNetworkSpec(Closed, Generic[AnySensor, AnyBehaviour]):
         for parameter, reference, name in spec.references():
             if reference.what not in declared:
                 continue  # a call or a fact: the host is checked for it
-            must_know(reference.what, name, declared[reference.what], f"{where}.{parameter}")
+            must_know(reference.what, name, sorted(declared[reference.what]), f"{where}.{parameter}")
             if reference.what == "mechanism":
                 given = self.mechanisms[name].type
                 if not issubclass(MECHANISMS.find(given), reference.mechanism):
@@ -166,22 +165,16 @@ class ConfigurationSpec(ActingNetworkSpec[SensorSpec, ActingBehaviourSpec]):
         for name, behaviour in self.behaviours.items():
             self._check_conditions(behaviour.preconditions, f"behaviours.{name}.preconditions")
             for effect in behaviour.effects:
-                must_know("sensor", effect.sensor, self.sensors, f"behaviours.{name}.effects")
+                must_know("sensor", effect.sensor, sorted(self.sensors), f"behaviours.{name}.effects")
         for name, goal in self.goals.items():
             self._check_conditions(goal.conditions, f"goals.{name}.conditions")
         return self
 
     def _check_conditions(self, trees: Iterable[AnyCondition], where: str) -> None:
         for spec in (plain for tree in trees for plain in plain_conditions(tree)):
-            must_know("sensor", spec.sensor, self.sensors, where)
+            must_know("sensor", spec.sensor, sorted(self.sensors), where)
             kind = self.kind_of(self.sensors[spec.sensor])
             if (kind == "fact") is not (spec.activator.component.kind == BOOLEAN_RULE):
                 expected = "a Boolean activator on a fact, any other on a number"
                 given = f"{spec.activator.type} on the {kind} {spec.sensor!r}"
                 raise ValueError(f"{where}: expected {expected}, got {given}")
-
-
-def must_know(what: str, name: str, known: Mapping[str, object], where: str) -> None:
-    """Raise DocumentError for a name that is not among the `known`."""
-    if name not in known:
-        raise DocumentError(f"{where}: {unknown(what, name, sorted(known))}{DECLARED_BY.get(what, '')}")

@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from selector.configurations.configuration import ActingNetworkSpec, must_know
+from selector.configurations.configuration import DECLARED_BY, ActingNetworkSpec
 from selector.documents.errors import DocumentError
+from selector.documents.plain import must_know
 from selforg.components import FactRule, RobotMemory, SharedFact, Surroundings
 from selforg.components.actions import Call
 from selforg.components.facts import SHARED_FACTS
@@ -17,7 +18,6 @@ from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
 from selforg.randomness import DirectionStream
-from selforg.registry import unknown
 from selforg.space import Euclidean
 
 AnySpec = ActingNetworkSpec[Any, Any]
@@ -59,11 +59,10 @@ class Host:
         named = {"buffer": (buffers, self.buffers), "call": (calls, self.calls), "fact": (facts, self.facts)}
         for what, (names, known) in named.items():
             for name in names:
-                must_know(what, name, known, where)
+                must_know(what, name, sorted(known), where, DECLARED_BY.get(what, ""))
         kinds = self.memory.kinds
         for name, kind in configuration.expects.items():
-            if name not in kinds:
-                raise DocumentError(f"{where}: expects: {unknown('knowledge', name, sorted(kinds))}")
+            must_know("knowledge", name, sorted(kinds), f"{where}: expects")
             if kinds[name] != kind:
                 raise DocumentError(f"{where}: expects.{name}: expected a {kind}, but the host knows a {kinds[name]}")
 

@@ -8,12 +8,12 @@ from typing import Any
 from selector.configurations.configuration import ConfigurationSpec
 from selector.configurations.host import trial_host
 from selector.configurations.running import RunningConfiguration
-from selector.documents.errors import DocumentError, shown, validated, within
+from selector.documents.errors import shown, validated, within
 from selector.documents.find import files_of
 from selector.documents.parameters import check_parameters_used, declared_parameters, resolved
+from selector.documents.plain import must_know
 from selector.documents.reading import read_mapping
 from selector.knowledge import Option
-from selforg.registry import unknown
 
 
 class Library:
@@ -48,8 +48,7 @@ class Library:
             DocumentError: the file cannot be read, or the configuration cannot be built.
 
         """
-        if key not in self._paths:
-            raise DocumentError(unknown("configuration", key, self.keys))
+        must_know("configuration", key, self.keys)
         where = shown(self._paths[key])
         document = self._documents.get(key) or read_mapping(self._paths[key])
         with within(where):

@@ -44,13 +44,12 @@ from selector.documents.errors import DocumentError, shown, validated, within
 from selector.documents.fields import Closed, Name, checked_name
 from selector.documents.find import find_file
 from selector.documents.parameters import Content, check_parameters_used, resolved
-from selector.documents.plain import short
+from selector.documents.plain import must_know, short
 from selector.documents.reading import read_mapping
 from selector.vocabulary.conditions import NamedConditions
 from selector.vocabulary.constructors import checked_parameters
 from selforg.components import FactRule
 from selforg.network.model.behaviours import NetworkSettings
-from selforg.registry import unknown
 
 MOST_FACTS = 16
 """Facts that the robots of a document tell; each is looked for whenever a robot tells one."""
@@ -182,8 +181,7 @@ class _Nesting:
 
     def of(self, name: str, outside: Mapping[str, Any], path: tuple[str, ...]) -> RobotNetwork:
         """Return a network inside those of `path`, whose named conditions are `outside`."""
-        if name not in self.networks:
-            raise DocumentError(f"{self.file}: {unknown('network', name, sorted(self.networks))}")
+        must_know("network", name, sorted(self.networks), self.file)
         where = f"{self.file}: networks.{name}"
         if name in path:
             raise DocumentError(f"{where}: networks must not contain each other: {' > '.join((*path, name))}")

@@ -12,10 +12,11 @@ from typing import Annotated, Any, Literal, NamedTuple, Self, TypeVar
 import numpy as np
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from selector.configurations.configuration import ActingBehaviourSpec, ActingNetworkSpec, must_know
+from selector.configurations.configuration import DECLARED_BY, ActingBehaviourSpec, ActingNetworkSpec
 from selector.coordination.model import CoordinatorModel
 from selector.documents.errors import DocumentError
 from selector.documents.fields import Closed, Name
+from selector.documents.plain import must_know
 from selector.vocabulary.components import ActionSpecs, SensorSpec
 from selector.vocabulary.conditions import AnyCondition, BehaviourSpec, GoalSpec
 from selector.vocabulary.settings import SettingsSpec
@@ -23,7 +24,6 @@ from selforg.arrays import Ints
 from selforg.components import FactRule
 from selforg.network.model.behaviours import Behaviour, Goal, NetworkSettings, Sensor
 from selforg.network.model.model import NetworkModel
-from selforg.registry import unknown
 
 Coordinators = Mapping[str, CoordinatorModel]
 _Part = TypeVar("_Part", Sensor, Behaviour, Goal)
@@ -55,8 +55,7 @@ class HoldingBehaviourSpec(BehaviourSpec):
         if self.goal is None:
             return plain
         where = f"behaviours.{name}.goal"
-        if self.goal not in coordinators:
-            raise DocumentError(f"{where}: {unknown('coordinated goal', self.goal, sorted(coordinators))}")
+        must_know("coordinated goal", self.goal, sorted(coordinators), where)
         if self.goal != name:
             raise DocumentError(f"{where}: expected the name of the coordinator, got {self.goal!r}")
         model = coordinators[self.goal]
@@ -100,14 +99,14 @@ class NetworkSpec(Closed):
             if [what for what, _ in references] != ["fact"]:
                 expected = "fact, number, or a sensor of a fact, as the outermost network has no other components"
                 raise ValueError(f"sensors.{name}: expected {expected}, got {spec.type}")
-            must_know("fact", references[0][1], dict.fromkeys(facts), f"sensors.{name}.fact")
+            must_know("fact", references[0][1], sorted(facts), f"sensors.{name}.fact", DECLARED_BY["fact"])
         return found
 
     def build(self, coordinators: Coordinators, settings: NetworkSettings | None) -> NetworkModel:
         """Return the model, with `settings` if given; the sensors of coordinators come after those of the network."""
         for coordinator, names in self.during.items():
             for name in names:
-                must_know("behaviour", name, self.behaviours, f"behaviours.{coordinator}.during")
+                must_know("behaviour", name, sorted(self.behaviours), f"behaviours.{coordinator}.during")
         behaviours = [spec.build_with(name, coordinators) for name, spec in self.behaviours.items()]
         held = [spec.goal for spec in self.behaviours.values() if spec.goal is not None]
         sensors = [

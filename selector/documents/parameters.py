@@ -4,8 +4,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any, TypeAlias
 
 from selector.documents.errors import DocumentError
-from selector.documents.plain import short
-from selforg.registry import unknown
+from selector.documents.plain import must_know, short
 
 Content: TypeAlias = dict[str, Any]
 REFERENCE = "$"
@@ -42,8 +41,7 @@ def laid_over(base: Mapping[str, Any], changes: Mapping[str, Any], where: str) -
     """Return `base` overridden by `changes`, mappings key by key; a key that `base` lacks is an error."""
     merged = dict(base)
     for key, value in changes.items():
-        if key not in base:
-            raise DocumentError(f"{where}: {unknown('parameter', key, sorted(base))}")
+        must_know("parameter", key, sorted(base), where)
         below = base[key]
         if isinstance(below, Mapping) is not isinstance(value, Mapping):
             expected = "a mapping" if isinstance(below, Mapping) else "a value"
@@ -59,8 +57,7 @@ def _filled(value: Any, values: Mapping[str, Any], where: str) -> Any:  # noqa: 
     if isinstance(value, list):
         return [_filled(below, values, f"{where}.{index}") for index, below in enumerate(value)]
     for name in _references(value):
-        if name not in values:
-            raise DocumentError(f"{where}: {unknown('parameter', name, sorted(values))}")
+        must_know("parameter", name, sorted(values), where)
         return values[name]
     return value
 

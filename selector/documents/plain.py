@@ -2,7 +2,10 @@
 
 import os
 import reprlib
+from collections.abc import Collection
 from pathlib import Path
+
+from selforg.registry import unknown
 
 MOST_SHOWN = 60
 """Characters of a given value that an error shows."""
@@ -50,3 +53,9 @@ class DocumentError(ValueError):
 
     def __init__(self, message: str) -> None:
         super().__init__(plain(message))
+
+
+def must_know(what: str, name: str, known: Collection[str], where: str = "", hint: str = "") -> None:
+    """Raise DocumentError for a name that is not among the `known`; it begins with `where`, and the `hint` ends it."""
+    if name not in known:
+        raise DocumentError(f"{where}: " * bool(where) + unknown(what, name, tuple(known)) + hint)

@@ -24,7 +24,7 @@ from selector.documents.arrays import check_same_names
 from selector.documents.errors import DocumentError, shown, validated
 from selector.documents.fields import JOINT, Closed, JointName, Name, Number, Positive
 from selector.documents.find import find_file
-from selector.documents.plain import plain
+from selector.documents.plain import must_know, plain
 from selector.documents.reading import read_bytes, read_json
 from selector.documents.writing import write_whole
 from selector.knowledge import Definition
@@ -32,7 +32,6 @@ from selector.strategies.probing import Probing
 from selforg.arrays import Floats
 from selforg.compiler.decorators import kernel
 from selforg.elementary import hyperbolic_tangent
-from selforg.registry import unknown
 
 Floats32 = npt.NDArray[np.float32]
 SPECIFICATION, WEIGHTS_FILE = "policy.json", "policy.safetensors"
@@ -83,8 +82,7 @@ class PolicySpec(Closed):
         if not self.goals and not self.vector:
             raise ValueError("goals: expected at least one, or a vector, got none")
         for goal in self.holds:
-            if goal not in self.goals:
-                raise ValueError(f"holds: {unknown('goal', goal, tuple(self.goals))}")
+            must_know("goal", goal, self.goals, "holds")
         for joint, options in self.goals.items():
             if len(set(options)) < len(options):
                 raise ValueError(f"goals: {joint}: expected each option once, got {list(options)}")

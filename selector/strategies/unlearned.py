@@ -5,9 +5,8 @@ from typing import Any
 import numpy as np
 from pydantic import Field
 
-from selector.documents.errors import DocumentError
 from selector.documents.fields import Label
-from selector.knowledge import unknown_option
+from selector.knowledge import must_know_option
 from selector.strategies.choosing import best, chance_of, drawn, even
 from selector.strategies.problem import Decisions, Problem
 from selector.strategies.registry import STRATEGIES
@@ -40,9 +39,7 @@ class Fixed(DecisionStrategy):
 
     def _prepare(self) -> None:
         name, known = self.option, self.problem.options
-        if name not in known:
-            goal = self.problem.goal
-            raise DocumentError(f"strategy Fixed: goal {goal}: {unknown_option(goal, name, known)}")
+        must_know_option(self.problem.goal, name, known, f"strategy Fixed: goal {self.problem.goal}")
         self._order = self.problem.scores.copy()
         self._order[known.index(name)] = np.inf
 

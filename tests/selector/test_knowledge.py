@@ -6,7 +6,7 @@ from selector.configurations.library import Library
 from selector.coordination.model import CoordinatorModel
 from selector.documents.errors import DocumentError
 from selector.documents.find import files_of
-from selector.knowledge import Option, knowledge_from, learned_from, library_options, load_knowledge, unknown_option
+from selector.knowledge import Option, knowledge_from, learned_from, library_options, load_knowledge, must_know_option
 from tests.selector.refusing import refusal
 
 GOAL = "AvoidCollision"
@@ -116,7 +116,10 @@ def test_knowledge_that_the_library_cannot_build_names_goal_and_option():
 )
 def test_an_unknown_option_says_which_knowledge_has_it(goal, name, where):
     found = f"; it is in the knowledge {where} (--knowledge)" if where else ""
-    assert unknown_option(goal, name, ("Off",)) == f"unknown option '{name}' (known: Off){found}"
+    with pytest.raises(DocumentError) as told:
+        must_know_option(goal, name, ("Off",), "k.yaml")
+    assert str(told.value) == f"k.yaml: unknown option '{name}' (known: Off){found}"
+    must_know_option(goal, "Off", ("Off",), "k.yaml")
 
 
 @pytest.mark.parametrize("content", [[1], {"Avoid": [1]}, "Avoid"])

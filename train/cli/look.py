@@ -13,6 +13,7 @@ import typer
 from rich.progress import track
 
 from selector.documents.plain import DocumentError as ConfigurationError
+from selector.documents.plain import must_know
 from train.cli.options import (
     MAY_NAME_CODE,
     Configs,
@@ -190,7 +191,6 @@ def draw_command(
 def _found(name: str, directories: list[Path]) -> Path:
     """Return the file of a robot, a configuration or a machine by its name, in this order, or by its path."""
     from selector.documents.find import files_of, find_file
-    from selforg.registry import unknown
 
     if Path(name).suffix:
         return find_file("robots", name, directories)
@@ -199,8 +199,7 @@ def _found(name: str, directories: list[Path]) -> Path:
         **files_of("mechanisms", directories),
         **files_of("robots", directories),
     }
-    if name not in found:
-        raise ConfigurationError(unknown("robot, configuration or machine", name, sorted(found)))
+    must_know("robot, configuration or machine", name, sorted(found))
     return found[name]
 
 

@@ -28,12 +28,12 @@ from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.world.task import task_class
 from selector.documents.errors import shown, within
 from selector.documents.find import files_of
+from selector.documents.plain import must_know
 from selector.documents.trust import BASELINE
 from selector.strategies.problem import Problem
 from selector.strategies.registry import BY_SCORE
 from selector.strategies.streams import row_keys
 from selforg.network.planning.planner import check_planner
-from selforg.registry import unknown
 from train.analysis.runs import Measured, Runs
 from train.evaluation.comparison import Comparison, Deciders
 from train.evaluation.conditions import UNTAUGHT, check_fit, check_goals, conditions_of, remarks_on, with_baselines
@@ -239,8 +239,7 @@ def asked_of(request: Request) -> tuple[ExperimentConfig | FamilyConfig, Starts]
         return found, Starts()
     known = [condition.name for condition in found.conditions]
     for name in request.conditions:
-        if name not in known:
-            raise ConfigurationError(f"{found.name}: {unknown('condition', name, known)}")
+        must_know("condition", name, known, found.name)
     chosen = tuple(one for one in found.conditions if not request.conditions or one.name in request.conditions)
     return _with_starts(found.model_copy(update={"conditions": chosen}), request)
 

@@ -18,11 +18,10 @@ from clean_swarm_env.world.mission import period_of
 from clean_swarm_env.world.mission_end import RUNNING
 from selector.documents.errors import validated, within
 from selector.documents.fields import Closed, Number
-from selector.documents.plain import short
+from selector.documents.plain import must_know, short
 from selector.documents.reading import json_lines
 from selector.documents.trust import check_trust, is_import, reading_files
 from selector.documents.writing import writing_to
-from selforg.registry import unknown
 from train.evaluation.comparison import Comparison
 from train.running.finished_runs import JOURNAL, runs_of
 from train.running.needs import ALONE, check_needs
@@ -94,9 +93,9 @@ def _chosen(keys: Sequence[RunKey], scenario: str | None, condition: str | None,
         listed = ", ".join([*known[:LISTED], *(["..."] if len(known) > LISTED else [])])
         raise ConfigurationError(f"{directory}: unknown scenario {wanted!r} (known: {listed}; {len(known)} in all)")
     names = [own for name, own in keys if name == wanted]
-    if condition is not None and condition not in names:
-        raise ConfigurationError(f"{directory}: {unknown('condition', condition, names)}")
-    return wanted, condition or names[0]
+    chosen = names[0] if condition is None else condition
+    must_know("condition", chosen, names, str(directory))
+    return wanted, chosen
 
 
 def chosen_options(directory: Path) -> dict[tuple[str, str], dict[str, str]]:

@@ -24,7 +24,7 @@ from clean_swarm_env.world.task import task_class
 from selector.documents.errors import DocumentError, check_unique, validated
 from selector.documents.fields import Closed, Name, Number, Positive
 from selector.documents.imported import NameOrImport, registered
-from selforg.registry import unknown
+from selector.documents.plain import must_know
 
 
 def usual_terms(mission: MissionConfig) -> tuple[str, ...]:
@@ -72,8 +72,7 @@ class ObservationConfig(Closed):
         terms = self.terms or ()
         check_unique("terms", [term.name for term in terms])
         for name in self.remembers if self.terms is not None else ():
-            if name not in {term.name for term in terms}:
-                raise ValueError(f"remembers: {unknown('term', name, [term.name for term in terms])}")
+            must_know("term", name, [term.name for term in terms], "remembers")
         ranges = self.neighbour_ranges
         if any(near >= far for near, far in pairwise(ranges)):
             raise ValueError(f"neighbour_ranges: expected growing distances, got {list(ranges)}")
@@ -81,8 +80,7 @@ class ObservationConfig(Closed):
             settings, given = TERMS.find(term.name).settings(), term.__pydantic_extra__
             own = {name: optional for name, optional in settings.items() if name not in type(self).model_fields}
             for name in given:
-                if name not in own:
-                    raise ValueError(f"terms: {term.name}: {unknown('setting', name, tuple(own))}")
+                must_know("setting", name, own, f"terms: {term.name}")
             for name, optional in own.items():
                 if not optional and name not in given:
                     raise ValueError(f"terms: {term.name}: missing setting {name!r}")
