@@ -1,6 +1,7 @@
-"""Parameters of classes, read from their constructors for documents and contract tests."""
+"""Parameters of classes: read from their constructors for documents and contract tests, and checked by these."""
 
 import inspect
+import math
 from functools import cache
 from inspect import Parameter
 from typing import Annotated, TypeAlias, get_args, get_type_hints
@@ -36,3 +37,17 @@ def parameters_of(cls: type) -> dict[str, Parameter]:
         elif name != "self":
             found[name] = parameter.replace(annotation=hints.get(name, parameter.annotation))
     return found
+
+
+def at_least(owner: object, name: str, value: float, lowest: float) -> float:
+    """Return `value` if it is at least `lowest`; raises ValueError with its class and parameter otherwise (NaN too)."""
+    if not value >= lowest:
+        raise ValueError(f"{type(owner).__name__}: {name} must be at least {lowest}, got {value!r}")
+    return float(value)
+
+
+def positive(owner: object, name: str, value: float) -> float:
+    """Return `value` if it is positive and finite; raises ValueError with its class and parameter otherwise."""
+    if not 0.0 < value < math.inf:
+        raise ValueError(f"{type(owner).__name__}: {name} must be positive and finite, got {value!r}")
+    return float(value)

@@ -4,6 +4,7 @@ import numpy as np
 
 from selforg.arrays import Floats
 from selforg.compiler.decorators import inlined, lean_kernel
+from selforg.parameters import positive
 
 
 class Space:
@@ -47,8 +48,7 @@ class Torus(Space):
 
     def __init__(self, width: float, height: float) -> None:
         for name, value in (("width", width), ("height", height)):
-            if not (np.isfinite(value) and value > 0):
-                raise ValueError(f"Torus: {name} must be positive and finite [m], got {value!r}")
+            positive(self, name, value)
         super().__init__(np.array([width, height], dtype=np.float64))
 
 

@@ -11,12 +11,11 @@ from selforg.compiler.decorators import lean_kernel
 from selforg.compiler.records import Handle
 from selforg.components.memory import Remembered
 from selforg.components.sources import GoalSource, MovementSource, Source
-from selforg.mechanisms.base import at_least
 from selforg.mechanisms.decisions.base import DecisionMechanism
 from selforg.mechanisms.depositing import DepositingMechanism
 from selforg.mechanisms.spreading import SpreadGradient
 from selforg.mechanisms.steering.base import SteeringMechanism
-from selforg.parameters import AtLeastZero, Finite
+from selforg.parameters import AtLeastZero, Finite, at_least
 from selforg.plugins import Promises, are_numbers, check_answer, is_own
 from selforg.program import ACT, LEAVE, STEER, Rows, Step
 from selforg.registry import Registry

@@ -24,7 +24,7 @@ from selforg.components.sources import (
     open_answers,
 )
 from selforg.network.model.behaviours import SensorKind
-from selforg.parameters import AtLeastZero, Finite
+from selforg.parameters import AtLeastZero, Finite, at_least
 from selforg.plugins import Promises, are_numbers
 from selforg.program import SENSE, Rows, Step
 from selforg.registry import Registry
@@ -172,9 +172,7 @@ class VectorPresent(VectorSensor):
 
     def __init__(self, mechanism: MovementSource, longer_than: AtLeastZero = 1e-9) -> None:
         super().__init__(mechanism)
-        if not longer_than >= 0.0:
-            raise ValueError(f"VectorPresent: longer_than must be at least 0, got {longer_than}")
-        self.above = float(longer_than)
+        self.above = at_least(self, "longer_than", longer_than, 0.0)
 
 
 @SENSORS.register

@@ -18,6 +18,7 @@ from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.queries import Filter, Queries
 from selforg.mechanisms.base import MovementMechanism
 from selforg.mechanisms.decisions.base import DecisionMechanism
+from selforg.parameters import at_least
 from selforg.program import SENSE, Program, Rows, Step
 from selforg.randomness import next_direction
 
@@ -113,11 +114,9 @@ class MovementSource(Source):
     def __init__(
         self, mechanism: MovementMechanism, hold: float = 0.0, exponent: float = 0.0, longest: float = np.inf
     ) -> None:
-        if not hold >= 0.0:
-            raise ValueError(f"MovementSource: hold must be at least 0, got {hold}")
         if exponent != 0.0 and not exponent > 1.0:
             raise ValueError(f"MovementSource: exponent must be 0 or above 1, got {exponent}")
-        self.mechanism, self.hold = mechanism, float(hold)
+        self.mechanism, self.hold = mechanism, at_least(self, "hold", hold, 0.0)
         make_arrays(self, N=mechanism.poses.rows, D=mechanism.poses.space.dim)
         self.moved = Packed(Moved(self.vectors, self.active))
         self._asked[:], self._holds[:] = -np.inf, self.hold

@@ -14,6 +14,7 @@ from selforg.gradients.gradient import Gradient
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.gathering import index_poses, make_pose_cells
 from selforg.gradients.store.records import Poses, open_poses
+from selforg.parameters import at_least
 from selforg.program import BEGINNING, Rows, Step
 from selforg.space import Space, wrapped
 from selforg.walls.segments import Walls, cell_of_walls, no_walls, open_walls, to_segment
@@ -67,8 +68,7 @@ class OwnPoses:
         hearing: bool = False,
         walls: Packed[Walls] | None = None,
     ) -> None:
-        if rows < 1:
-            raise ValueError(f"OwnPoses: rows must be at least 1, got {rows!r}")
+        at_least(self, "rows", rows, 1)
         radii = np.stack(np.broadcast_arrays(*np.atleast_1d(diffusion, goal_radius)), axis=-1)
         if not ((radii >= 0).all() and np.isfinite(radii[..., 1]).all()):
             raise ValueError(
@@ -76,8 +76,7 @@ class OwnPoses:
             )
         if attraction not in (-1, 0, 1):
             raise ValueError(f"OwnPoses: attraction must be -1, 0 or 1, got {attraction!r}")
-        if history < 0:
-            raise ValueError(f"OwnPoses: history must be at least 0, got {history!r}")
+        at_least(self, "history", history, 0)
         if names is not None and (len(names) != rows or len(set(names)) != rows):
             raise ValueError(f"OwnPoses: names must be {rows} different names, got {names!r}")
         self.space = space

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-import numpy as np
+from selforg.parameters import at_least, positive
 
 AGGREGATE_DROP, AGGREGATE_MAX, AGGREGATE_MIN, AGGREGATE_AVERAGE = 0, 1, 2, 3
 AGGREGATE_NEW, AGGREGATE_NEW_SOURCE, AGGREGATE_NEW_CHANNEL = 4, 5, 6
@@ -51,11 +51,8 @@ class BufferSettings:
     def __post_init__(self) -> None:
         """Check every field."""
         for name in ("view_distance", "aggregation_distance", "min_diffusion", "moving_storage_size"):
-            value = getattr(self, name)
-            if not value >= 0:
-                raise ValueError(f"BufferSettings: {name} must be at least 0, got {value!r}")
-        if not (0 < self.smallest_cell < np.inf):
-            raise ValueError(f"BufferSettings: smallest_cell must be positive [m], got {self.smallest_cell!r}")
+            at_least(self, name, getattr(self, name), 0)
+        positive(self, "smallest_cell", self.smallest_cell)
         for channel, rule in self.aggregation.items():
             if rule not in AGGREGATION_RULES:
                 known = ", ".join(AGGREGATION_RULES)

@@ -20,6 +20,7 @@ from selforg.gradients.poses import OwnPoses
 from selforg.gradients.settings import BufferSettings
 from selforg.gradients.store.columns import SEE_MOVING, SEE_STATIC
 from selforg.mechanisms.causes import Causes
+from selforg.parameters import at_least
 from selforg.plugins import Promises, are_numbers
 from selforg.program import Rows, Step
 from selforg.randomness import DirectionStream
@@ -150,10 +151,3 @@ class MovementMechanism(Mechanism):
     def moving(self, stage: int, rows: Rows, moved: Packed[Moved]) -> list[Step]:
         """Return the steps of a program that write the movement of `rows` into a record, as `move_into` does."""
         return [Step(stage, lambda now, rows: self.move_into(now, rows, *moved.record), rows)]
-
-
-def at_least(mechanism: object, name: str, value: float, lowest: float) -> float:
-    """Return `value` if it is at least `lowest`; raises ValueError with mechanism and parameter otherwise (NaN too)."""
-    if not value >= lowest:
-        raise ValueError(f"{type(mechanism).__name__}: {name} must be at least {lowest}, got {value!r}")
-    return float(value)

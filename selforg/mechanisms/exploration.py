@@ -10,10 +10,11 @@ from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.pair import Own, Pair
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.store.records import Poses, Sight, Store
-from selforg.mechanisms.base import MECHANISMS, SpeedOptions, at_least
+from selforg.mechanisms.base import MECHANISMS, SpeedOptions
 from selforg.mechanisms.chemotaxis import attraction_ge
 from selforg.mechanisms.formula import FormulaMechanism
 from selforg.mechanisms.movement import NOT_AT_ALL, REFLECT, Rule, open_rule
+from selforg.parameters import at_least
 from selforg.randomness import next_direction
 
 

@@ -17,9 +17,10 @@ from selforg.gradients.pair import Own
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Poses, Sight, Store, open_poses, open_sight, open_store
-from selforg.mechanisms.base import MECHANISMS, MoveOptions, at_least
+from selforg.mechanisms.base import MECHANISMS, MoveOptions
 from selforg.mechanisms.formula import NeighbourMechanism
 from selforg.mechanisms.movement import Rule, limit, open_rule
+from selforg.parameters import at_least, positive
 from selforg.space import nearest_image
 
 BOID_OFFSET = 0  # and the two columns after it [m]
@@ -92,13 +93,6 @@ class Flocking(NeighbourMechanism):
         for axis in range(3):
             m.total[axis] = m.velocity[axis] + m.change[axis]
         return True
-
-
-def positive(mechanism: object, name: str, value: float) -> float:
-    """Return `value` if it is positive and finite; raises ValueError with mechanism and parameter otherwise."""
-    if not 0.0 < value < np.inf:
-        raise ValueError(f"{type(mechanism).__name__}: {name} must be positive and finite, got {value!r}")
-    return float(value)
 
 
 @kernel

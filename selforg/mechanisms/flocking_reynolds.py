@@ -12,10 +12,11 @@ from selforg.gradients.pair import Own
 from selforg.gradients.poses import OwnPoses
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Poses, Sight, Store, open_poses, open_sight, open_store
-from selforg.mechanisms.base import MECHANISMS, MoveOptions, at_least
-from selforg.mechanisms.flocking import BOID_COLUMNS, BOID_GOAL_RADIUS, BOID_OFFSET, BOID_VELOCITY, positive
+from selforg.mechanisms.base import MECHANISMS, MoveOptions
+from selforg.mechanisms.flocking import BOID_COLUMNS, BOID_GOAL_RADIUS, BOID_OFFSET, BOID_VELOCITY
 from selforg.mechanisms.formula import NeighbourMechanism
 from selforg.mechanisms.movement import Rule, open_rule
+from selforg.parameters import at_least, positive
 from selforg.randomness import next_direction
 
 SEPARATION = 0  # the only parameter of the formula

@@ -17,7 +17,7 @@ from selforg.gradients.queries import Filter, PairRoom, Queries
 from selforg.gradients.settings import BufferSettings
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Poses, Sight, Store, open_sight
-from selforg.mechanisms.base import MovementMechanism, MoveOptions, at_least
+from selforg.mechanisms.base import MovementMechanism, MoveOptions
 from selforg.mechanisms.causes import Causes, note_cause
 from selforg.mechanisms.movement import (
     ALL_IN_VIEW,
@@ -32,6 +32,7 @@ from selforg.mechanisms.movement import (
     move_rows,
     open_rule,
 )
+from selforg.parameters import at_least
 from selforg.program import Rows, Step
 
 

@@ -7,9 +7,10 @@ from selforg.compiler.decorators import part
 from selforg.compiler.records import Handle
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.store.records import Sight, Store
-from selforg.mechanisms.base import MECHANISMS, LookOptions, at_least
+from selforg.mechanisms.base import MECHANISMS, LookOptions
 from selforg.mechanisms.decisions.base import DecisionRule, NeighbourDecision, open_decision_rule
 from selforg.mechanisms.spreading import Carried
+from selforg.parameters import at_least
 
 
 @MECHANISMS.register

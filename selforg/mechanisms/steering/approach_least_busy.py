@@ -13,7 +13,7 @@ from selforg.gradients.poses import OwnPoses
 from selforg.gradients.queries import ATTRACTIVE, Filter, Queries
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Poses, open_poses
-from selforg.mechanisms.base import MECHANISMS, LookOptions, at_least
+from selforg.mechanisms.base import MECHANISMS, LookOptions
 from selforg.mechanisms.steering.base import (
     OTHER_COLUMNS,
     OTHER_X,
@@ -22,6 +22,7 @@ from selforg.mechanisms.steering.base import (
     note_others,
     speed_to_change,
 )
+from selforg.parameters import at_least
 from selforg.space import nearest_image, wrapped
 
 CHOSEN_AT, WAITING_SINCE = 0, 1  # columns of `Approaching.times`

@@ -15,7 +15,7 @@ from selforg.compiler.records import Handle, Packed, opening
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import MOST_WALLS, OwnPoses
 from selforg.gradients.store.records import Poses, open_poses
-from selforg.mechanisms.base import MECHANISMS, LookOptions, at_least
+from selforg.mechanisms.base import MECHANISMS, LookOptions
 from selforg.mechanisms.causes import Causes, note_cause
 from selforg.mechanisms.steering.base import (
     OTHER_COLUMNS,
@@ -29,6 +29,7 @@ from selforg.mechanisms.steering.base import (
     own_velocity,
     speed_to_change,
 )
+from selforg.parameters import at_least
 
 POINT_X, POINT_Y, NORMAL_X, NORMAL_Y = 0, 1, 2, 3
 LINE_COLUMNS = 4

@@ -17,7 +17,7 @@ from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.poses import MOST_WALLS, OwnPoses
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.records import Poses, open_poses
-from selforg.mechanisms.base import MECHANISMS, LookOptions, at_least
+from selforg.mechanisms.base import MECHANISMS, LookOptions
 from selforg.mechanisms.causes import Causes, note_cause
 from selforg.mechanisms.steering.base import (
     OTHER_COLUMNS,
@@ -31,6 +31,7 @@ from selforg.mechanisms.steering.base import (
     note_others,
     speed_to_change,
 )
+from selforg.parameters import at_least
 from selforg.randomness import DirectionStream, next_direction
 from selforg.space import nearest_image
 

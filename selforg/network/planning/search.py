@@ -19,6 +19,7 @@ import numpy.typing as npt
 
 from selforg.network.planning.problem import STEPS_PER_UNIT, Guard, PlanningProblem, all_of, in_steps, is_met
 from selforg.network.planning.task import STEP_UNIT, PlanTask, reachable
+from selforg.parameters import at_least
 
 
 @dataclass(frozen=True)
@@ -116,8 +117,7 @@ class ForwardSearch(Search):
     """
 
     def __init__(self, problem: PlanningProblem, node_limit: int = 20_000) -> None:
-        if node_limit < 1:
-            raise ValueError(f"node_limit must be at least 1, got {node_limit}")
+        at_least(self, "node_limit", node_limit, 1)
         super().__init__(problem)
         self.node_limit = node_limit
         self._tasks: dict[tuple[int, ...], PlanTask] = {}
