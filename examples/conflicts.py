@@ -14,7 +14,6 @@ import numpy as np
 
 from selector.documents.arrays import Arrays
 from selector.documents.fields import NonNegative
-from selector.knowledge import must_know_option
 from selector.strategies.choosing import drawn
 from selector.strategies.problem import Decisions, Outcomes, Problem
 from selector.strategies.registry import STRATEGIES
@@ -48,8 +47,7 @@ class EffortLadder(DecisionStrategy):
 
     def _prepare(self) -> None:
         ladder, known = self.rungs.split("/"), self.problem.options
-        for name in ladder:
-            must_know_option(self.problem.goal, name, known, "EffortLadder: rungs")
+        self.problem.check_options("EffortLadder: rungs", ladder)
         self._top = len(ladder) - 1
         self._rung_of: Floats = np.array([ladder.index(name) if name in ladder else NO_RUNG for name in known])
 

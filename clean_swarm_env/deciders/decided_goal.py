@@ -154,7 +154,7 @@ def named_goal(known: Sequence[str], wanted: str | None) -> str:
     """Return the goal `wanted` if given, else AvoidCollision if it is `known`, else the only known goal."""
     if wanted is not None:
         if wanted not in known:
-            others = "robots choose among options of goals that the --knowledge has"
+            others = "robots choose options for goals of their network that their knowledge has"
             raise DocumentError(f"goal: {unknown('goal', wanted, known)}; {others}")
         return wanted
     if AVOIDANCE in known or len(known) == 1:

@@ -21,7 +21,6 @@ from clean_swarm_env.deciders.models_of_robots import ByModelDecider
 from clean_swarm_env.deciders.strategies import PolicyDecider, StrategyDecider
 from clean_swarm_env.learning.actions import Mode
 from clean_swarm_env.learning.observation.config import ObservationConfig
-from selector.documents.arrays import check_known
 from selector.documents.errors import shown, validated
 from selector.documents.fields import JOINT
 from selector.documents.find import find_file
@@ -170,7 +169,7 @@ def _learned(text: str, name: str, directories: Sequence[Path]) -> NamedDecider:
     known = description_of(file)
 
     def build(problem: Problem, teams: Ints) -> Decider:
-        check_known(shown(file), "options", problem.options, known.options)
+        problem.check_options(f"{shown(file)}: options", known.options)
         decider = StrategyDecider(known.spec, problem, teams, known.options, known.features)
         load_strategy(file, decider.strategy)
         return decider

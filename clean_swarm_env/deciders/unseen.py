@@ -50,8 +50,12 @@ def decided_and_held(
     return [told] if named.goals and decided and len(models) > 1 else []
 
 
-def undecided(named: NamedDecider, mission: MissionConfig, directories: Sequence[Path] = ()) -> str:
+def undecided(
+    named: NamedDecider, mission: MissionConfig, directories: Sequence[Path] = (), *, by_goal: bool = True
+) -> str:
     """Return which goals a decider was made for that the mission does not let it decide, and the way out; or nothing.
+
+    `by_goal`: whether its user can name goals, by the option --goal.
 
     Goals do not count that the robots could not coordinate by another document either, as Transport where there is one
     station of each kind.
@@ -61,7 +65,7 @@ def undecided(named: NamedDecider, mission: MissionConfig, directories: Sequence
     lacking = [goal for goal in kind.goals(wider, directories) if goal in own and goal not in coordinated]
     decided = JOINT.join(goal for goal in coordinated if goal in own)
     what = f"was made to decide {' and '.join(lacking)}, which these robots do not choose options for"
-    alone = f"--goal {decided} lets it decide that alone; " if decided else ""
+    alone = f"--goal {decided} lets it decide that alone; " if decided and by_goal else ""
     robot = f"network: {{robot: {wider.network.robot}}} in the mission, with knowledge of the goal"
     return f"{what}: {alone}{robot}" if lacking else ""
 

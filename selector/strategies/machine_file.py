@@ -10,7 +10,6 @@ from typing import Annotated, Any, Self
 
 from pydantic import Field, model_validator
 
-from selector.documents.arrays import check_known
 from selector.documents.errors import DocumentError, impossible
 from selector.documents.fields import JOINT, Closed, JointName, Name, Number, Share
 from selector.documents.find import load_file
@@ -112,7 +111,7 @@ class StateMachine(Closed):
         """Raise DocumentError unless goal, options and components are those of a problem."""
         if self.goal != problem.goal:
             raise DocumentError(f"{where}: made to decide {self.goal}, got {problem.goal} to decide")
-        check_known(where, "options", problem.options, tuple(state.option for state in self.states.values()))
+        problem.check_options(f"{where}: options", (state.option for state in self.states.values()))
         for way in self.ways:
             if way.when is not None and way.when not in problem.features:
                 raise DocumentError(f"{where}: {unknown_component(way.when, problem.features)}")

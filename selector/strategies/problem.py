@@ -1,13 +1,13 @@
 """The input of a decision strategy: its problem, the decisions to make, and the rewards of earlier decisions."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from selector.knowledge import Definitions, Knowledge, believed
+from selector.knowledge import Definitions, Knowledge, believed, must_know_option
 from selforg.arrays import Flags, Floats, Ints
 from selforg.registry import unknown
 
@@ -59,6 +59,11 @@ class Problem:
         for name, values in (("scores", scores), ("rewards", rewards)):
             values.flags.writeable = False
             object.__setattr__(self, name, values)
+
+    def check_options(self, where: str, used: Iterable[str]) -> None:
+        """Raise DocumentError, which begins with `where`, for the first name of `used` that is no option."""
+        for name in used:
+            must_know_option(self.goal, name, self.options, where)
 
     @classmethod
     def of(cls, knowledge: Knowledge, goal: str, features: tuple[str, ...] = ()) -> "Problem":

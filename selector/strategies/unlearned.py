@@ -6,7 +6,6 @@ import numpy as np
 from pydantic import Field
 
 from selector.documents.fields import Label
-from selector.knowledge import must_know_option
 from selector.strategies.choosing import best, chance_of, drawn, even
 from selector.strategies.problem import Decisions, Problem
 from selector.strategies.registry import STRATEGIES
@@ -38,10 +37,9 @@ class Fixed(DecisionStrategy):
         return {"option": problem.options[len(problem.options) // 2]}
 
     def _prepare(self) -> None:
-        name, known = self.option, self.problem.options
-        must_know_option(self.problem.goal, name, known, f"strategy Fixed: goal {self.problem.goal}")
+        self.problem.check_options(f"strategy Fixed: goal {self.problem.goal}", (self.option,))
         self._order = self.problem.scores.copy()
-        self._order[known.index(name)] = np.inf
+        self._order[self.problem.options.index(self.option)] = np.inf
 
     def _opinions(self, decisions: Decisions) -> Floats:
         return np.isposinf(self._order).astype(np.float64)

@@ -42,6 +42,7 @@ def play_command(
         str | None,
         typer.Option(help="Strategy of the robots, as for `evaluate`; MaxScore, or the best option, unless given."),
     ] = None,
+    knowledge: Annotated[str | None, typer.Option(help="Expert knowledge in place of the mission's.")] = None,
     scenario: Annotated[int, typer.Option(help="Number of the start configuration or the scenario, from 1 on.")] = 1,
     seed: Seed = 0,
     speed: Annotated[float, typer.Option(help="Seconds of the mission in a second; the page can change it.")] = 1.0,
@@ -65,7 +66,8 @@ def play_command(
     check_whole({"--scenario": (scenario, 1, MOST_SCENARIOS), "--seed": (seed, 0, MOST_SEED)})
     check_whole({"--port": (port, 0, MOST_PORT)})
     directories = tuple(configs or ())
-    check_named(directories, name=None if name.endswith(".swarm") else name)
+    mission = None if name.endswith(".swarm") else name
+    check_named(directories, name=mission, knowledge=knowledge)
     if sys.stderr.isatty():
         typer.echo(f"starting {name}; on a new machine it compiles first, about a minute", err=True)
     from train.live.chosen import chosen, playable, remarks  # imports Numba
@@ -83,7 +85,7 @@ def play_command(
         return Session(play, recorded[-1], minds=few if minds is None else minds)
 
     checked_speed(speed)
-    play = chosen(name, scenario, seed, strategy, directories)
+    play = chosen(name, scenario, seed, strategy, directories, knowledge)
     for remark in remarks(play):
         typer.echo(remark, err=True)
     if output is not None and output.exists():

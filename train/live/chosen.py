@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from clean_swarm_env.config.families import FamilyConfig, Scenario
-from clean_swarm_env.config.known import knowledge_of
+from clean_swarm_env.config.known import knowing, knowledge_of
 from clean_swarm_env.config.load import load_named
 from clean_swarm_env.config.mission import MissionConfig, StartConfiguration
 from clean_swarm_env.config.starts import random_start, run_seed
@@ -117,16 +117,25 @@ def with_room(mission: MissionConfig) -> MissionConfig:
     return validated(MissionConfig, room, "the mission with room for more", own=True)
 
 
-def chosen(name: str, number: int, seed: int, strategy: str | None, directories: tuple[Path, ...]) -> PlayedMission:
+def chosen(
+    name: str,
+    number: int,
+    seed: int,
+    strategy: str | None,
+    directories: tuple[Path, ...],
+    knowledge: str | None = None,
+) -> PlayedMission:
     """Return the play of scenario `number`, from 1 on, of a mission, family or task, or a recording of a play.
+
+    `knowledge` is the name of expert knowledge in place of the mission's.
 
     Raises:
         ConfigurationError: there is nothing of this name, or it cannot be played.
 
     """
     if name.endswith(SUFFIX):
-        if strategy is not None:
-            raise ConfigurationError("--strategy: expected none, because the recording says who chose")
+        if (strategy, knowledge) != (None, None):
+            raise ConfigurationError("--strategy, --knowledge: expected none, because the recording has its own")
         return again(RecordedMission(Path(name)))
     found = load_named(name, directories)
     if isinstance(found, FamilyConfig):
@@ -134,7 +143,7 @@ def chosen(name: str, number: int, seed: int, strategy: str | None, directories:
     else:
         start = random_start(found, seed, number - 1)
         scenario = Scenario(start.id, run_seed(seed, start.id), found, start)
-    room = replace(scenario, mission=with_room(scenario.mission))
+    room = replace(scenario, mission=with_room(knowing(scenario.mission, knowledge, directories)))
     return PlayedMission(Path(name).stem, room, strategy or usual(room.mission, directories)[0], None, directories)
 
 
@@ -159,7 +168,7 @@ def remarks(play: PlayedMission) -> list[str]:
     """Return what the policy of a play never saw, and goals that it leaves alone."""
     mission, named = play.scenario.mission, decider_named(play.member, play.directories)
     told, models = remarks_of(play.member, named, [mission], play.directories), _models(mission, play.directories)
-    if why := undecided(named, mission, play.directories):
+    if why := undecided(named, mission, play.directories, by_goal=False):
         told.append(f"{play.member}: {why}")
     decided = [model.goal for model in models if model.goal in named.goals]
     return told + decided_and_held(play.member, named, decided, models)

@@ -8,7 +8,7 @@ import pytest
 
 from clean_swarm_env.recording.reader import RecordedMission
 from tests.train.live.pages import FRAMES, drag, free_place, on_screen, picture, place_of, shows, step, until
-from tests.train.live.sessions import SMALL, play_of, served
+from tests.train.live.sessions import SMALL, ordered, play_of, served
 from tests.train.records import checksums
 from train.live.session import Session
 
@@ -123,6 +123,26 @@ def test_options_strategies_and_losses_are_switched(session, page):
     assert page.evaluate("replay.page.run.tracks.get('missed').data.some(missed => missed > 0)")
     page.evaluate("replay.page.go(0)")
     shows(page, "figcaption b", ", MaxScore", "endsWith")
+
+
+def test_any_speed_is_in_the_list_and_a_fixed_option_stands_alone(session, opened):
+    with served(session, speed=3.0) as server:
+        page = opened(server)
+        speed = "() => document.querySelector('#speed').selectedOptions[0]?.textContent === '{}x'"
+        until(page, speed.format(3))
+        page.keyboard.press("-")
+        until(page, speed.format(2))
+        assert ordered(server, do="speed", speed=0.3) == ""
+        until(page, speed.format(0.3))
+        assert ordered(server, do="follow_strategy", strategy="fixed:ORCA") == ""
+        for _ in range(6):
+            step(page)
+        shows(page, "#panel h3 ~ table", "ORCA")
+        assert page.evaluate("[...document.querySelectorAll('#panel h3 ~ table')][0].rows.length") == 1
+        shows(page, "#panel details.others", "9 other options, 0.00")
+        page.evaluate("document.querySelector('#panel details.others').open = true")
+        step(page)
+        assert page.evaluate("document.querySelector('#panel details.others').open")
 
 
 @pytest.mark.long

@@ -183,3 +183,12 @@ def test_a_mission_opens_with_the_strategy_that_is_best_there(name, expected):
     play = chosen(name, 1, 0, None, ())
     assert (play.strategy, *usual(play.scenario.mission, ())) == (expected[0], *expected)
     assert chosen(name, 1, 0, "Random", ()).strategy == "Random"
+
+
+def test_other_knowledge_brings_its_options_and_the_recording_has_them(tmp_path):
+    paths = [tmp_path / name for name in ("once.swarm", "twice.swarm")]
+    played(Session(chosen("table1", 1, 0, "fixed:ORCA", (), "avoidance"), paths[0]), ticks=9, by_hand={})
+    played(Session(chosen(str(paths[0]), 1, 0, None, ()), paths[1]), ticks=9, by_hand={})
+    once, twice = (RecordedMission(path) for path in paths)
+    assert "ORCA" in once.head["options"]["AvoidCollision"]
+    assert checksums(once) == checksums(twice)

@@ -17,6 +17,16 @@ export function put(place, html) {
   place.dataset.html = html;
 }
 
+/** Show a speed in the list of speeds, which has it from then on, and return its place there. @param {number} speed */
+export function showSpeed(speed) {
+  if (!SPEEDS.includes(speed)) SPEEDS.push(speed);
+  SPEEDS.sort((a, b) => a - b);
+  put(element("speed"), SPEEDS.map((one, k) => `<option value="${k}">${one}x</option>`).join(""));
+  const place = SPEEDS.indexOf(speed);
+  element("speed").value = String(place);
+  return place;
+}
+
 /** Let the page listen to its controls. @param {Page} page */
 export function connect(page) {
   explainWords(document);
@@ -24,8 +34,7 @@ export function connect(page) {
   element("time").step = String(page.period);
   element("time").addEventListener("input", () => page.go(Number(element("time").value)));
   element("play").addEventListener("click", () => page.toggle());
-  element("speed").innerHTML = SPEEDS.map((speed, k) => `<option value="${k}">${speed}x</option>`).join("");
-  element("speed").value = String(page.speed);
+  showSpeed(SPEEDS[page.speed]);
   let pointed = false; // a key that chooses a speed may choose another one
   for (const kind of ["pointerdown", "keydown"]) addEventListener(kind, () => { pointed = kind === "pointerdown"; }, true);
   element("speed").addEventListener("change", () => { page.setSpeed(Number(element("speed").value)); if (pointed) element("speed").blur(); });

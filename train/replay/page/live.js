@@ -5,7 +5,7 @@ import { countMore, eventsOf } from "./course.js";
 import { LOOK, plain } from "./look.js";
 import { verdictOf } from "./score.js";
 import { drawForetold, foretoldOf } from "./foretold.js";
-import { SPEEDS, element, put } from "./controls.js";
+import { SPEEDS, element, put, showSpeed } from "./controls.js";
 import { Page } from "./page.js";
 /** @typedef {import("./recording.js").Run} Run */
 /** @typedef {import("./world.js").WorldView} WorldView */
@@ -100,7 +100,7 @@ export class LivePage extends Page {
     if (this.state.failure) this.say(this.state.failure);
     element("play").textContent = this.state.over ? "Over" : this.state.playing ? "Pause" : "Play";
     element("play").disabled = element("step").disabled = this.state.over;
-    element("speed").value = String(SPEEDS.indexOf(this.state.speed));
+    this.speed = showSpeed(this.state.speed);
     element("strategy").value = this.state.strategy;
     element("jam").textContent = `${this.contrast.words} (${this.contrast.strategy})`;
     const waits = !this.state.playing && !this.state.over && this.atHead, begun = this.run.frames > 0;

@@ -8,6 +8,7 @@ import { factsOf, sentenceOf } from "./why.js";
 import { inputsOf, policyAt } from "./policy.js";
 /** @typedef {import("./recording.js").Run} Run */
 
+const NONE = "0.00"; // a share that leaves an option out of the table, unless it is held
 const STILL = 0.1; // [m] within which a robot stands still
 
 /** @param {string} sign of what is carried */
@@ -139,12 +140,14 @@ function optionsOf(run, goal, options, frame, robot) {
   if (chose !== next) return `${head}<p class="small" data-waits>${plain(next)} has not decided yet: it does at its next decision. Until then robots hold what ${plain(chose)} chose.</p>`;
   const values = opinionsOf(run, goal, frame, robot), thought = run.tracks.has(`opinion/${goal}`), shares = areShares(values);
   const most = values.every((value) => value >= 0 && value <= 1) ? 1 : Math.max(...values.map(Math.abs)); // of shares the whole is 1
-  const rows = options.map((name, k) => `<tr class="${k === held ? "run" : ""}"><td>${key(goal === run.goal ? colourOf(k) : LOOK.edge, name, optionWord(run.head, goal, name))}</td>
+  const rows = options.map((name, k) => thought && shares && k !== held && fixed(values[k]) === NONE ? "" : `<tr class="${k === held ? "run" : ""}"><td>${key(goal === run.goal ? colourOf(k) : LOOK.edge, name, optionWord(run.head, goal, name))}</td>
     <td><div class="bar"><i style="left:0;width:${thought ? (Math.abs(values[k]) / most) * 100 : 0}%;background:${goal === run.goal ? colourOf(k) : LOOK.edge}"></i></div></td>
     <td class="n">${thought ? fixed(values[k]) : ""}</td></tr>`);
+  const rare = options.filter((_, k) => !rows[k]), others = rare.length ? `<details class="others"><summary class="small">${rare.length} other ${rare.length > 1 ? "options" : "option"}, ${NONE}</summary>
+    <p class="small">${rare.map((name) => key(goal === run.goal ? colourOf(options.indexOf(name)) : LOOK.edge, name, optionWord(run.head, goal, name))).join(" ")}</p></details>` : "";
   const told = shares ? "Of pairs and longer combinations: of all that have this option." : "A score, or an estimate of what it brings.";
   const title = shares && values.includes(1) ? "The chooser takes, without chance:" : shares ? "How likely the chooser finds each option, 1.00 in sum:" : "What the chooser thinks of each option:", why = thought ? whyHeld(run, goal, frame, robot) : "";
-  return `${head}${thought ? `<p class="small" title="${told}">${title}</p>` : ""}<table>${rows.join("")}</table>
+  return `${head}${thought ? `<p class="small" title="${told}">${title}</p>` : ""}<table>${rows.join("")}</table>${others}
     ${why ? `<p class="small" data-why="${plain(goal)}"><b>${plain(options[held])}</b> is not the highest. ${plain(why)}</p>` : ""}${inputsOf(run, frame, robot, goal)}`;
 }
 

@@ -306,9 +306,9 @@ export class Page {
     for (const line of this.lines) line.style.left = `${share}%`;
     if (!this.moving || performance.now() - this.panelAt > PANEL_PERIOD) {
       const { run } = this.shown[this.chosen];
-      const open = element("panel").querySelector(".inputs")?.open;
+      const open = [...element("panel").querySelectorAll("details[open]")].map((one) => one.className);
       put(element("panel"), panelOf(run, this.frameOf(run), Math.min(this.robot, run.head.robots - 1), this.beside()));
-      if (open) for (const inputs of element("panel").querySelectorAll(".inputs")) inputs.open = true;
+      for (const one of element("panel").querySelectorAll("details")) one.open = open.includes(one.className);
       this.panelAt = performance.now();
     }
   }
