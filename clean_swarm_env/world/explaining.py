@@ -77,8 +77,8 @@ class RobotStep:
         return own | network | inside
 
 
-def explain_robot(worlds: Worlds, row: int, step: int | None = None) -> RobotStep:
-    """Return what the robot of a row decided in the last control period, or in that to which the worlds were put back.
+def explain_robot(worlds: Worlds, row: int) -> RobotStep:
+    """Return what the robot of a row decided in the last control period.
 
     Raises:
         ValueError: the worlds note no reasons, or have not begun, or there is no such robot, or it has not joined yet.
@@ -89,13 +89,12 @@ def explain_robot(worlds: Worlds, row: int, step: int | None = None) -> RobotSte
     if not 0 <= row < worlds.rows:
         raise ValueError(f"robot: expected a row from 0 to {worlds.rows - 1}, got {row}")
     world = row // worlds.robots
-    step = int(worlds.ticks[world]) - 1 if step is None else step
+    step = int(worlds.ticks[world]) - 1
     if step < 0:
         raise ValueError("explain: expected a world that has run a control period, got one at its beginning")
     facts = worlds.minds.facts.values()
-    if step == worlds.ticks[world] - 1:  # else they were put back
-        for fact in facts:
-            fact.note(worlds.now - worlds.period)
+    for fact in facts:
+        fact.note(worlds.now - worlds.period)
     robot, time = row % worlds.robots, round(step * worlds.period, 9)
     if robot >= worlds.team.joined[world]:
         mission = worlds.missions[world]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
@@ -53,7 +54,9 @@ class MissionResult:
 
 def period_of(time: float, control_rate: float) -> int:
     """Return the number of the control period in which `time` [s] lies; -1 for no time of a mission."""
-    return math.floor(time * control_rate + PERIOD_ROUNDING) if math.isfinite(time) and time >= 0.0 else -1
+    if not (math.isfinite(time) and time >= 0.0):
+        return -1
+    return math.floor(min(time * control_rate + PERIOD_ROUNDING, sys.maxsize))
 
 
 def result_of(worlds: Worlds, world: int) -> MissionResult:

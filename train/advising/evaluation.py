@@ -60,5 +60,7 @@ class AdviceEvaluation(Advising):
         with TemporaryDirectory() as place:
             for number, arm in enumerate(dict.fromkeys((best, others[0]))):
                 task = self.tasks_of(arm, [scenario_name("test", 0)])[0]
-                recordings.append(RecordedMission(record_run(task, Path(place) / f"{number}.swarm"), ()))
+                path = Path(place) / f"{number}.swarm"
+                record_run(task, path)
+                recordings.append(RecordedMission(path, ()))
             write_page(recordings, folder / REPLAY)

@@ -7,16 +7,13 @@ from json import dumps
 from pathlib import Path
 from shutil import copyfile
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 from rich.console import Console
 
 from selector.documents.plain import DocumentError as ConfigurationError
 from train.cli.options import MAY_NAME_CODE, check_there, error_console
-
-if TYPE_CHECKING:
-    from train.running.trial_task import TrialTask
 
 RunDirectory = Annotated[
     Path, typer.Argument(help=f"Directory of an evaluation's results; {MAY_NAME_CODE}.", metavar="RUN")
@@ -37,22 +34,28 @@ def explain_command(
     what_if: Annotated[bool, typer.Option("--what-if", help="Show the robot's next 5 s under each option.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Explain what a robot decided at a time, what it planned, and why; a run without a recording is repeated."""
+    """Explain what a robot decided at a time, what it planned, and why; the run is repeated up to then."""
     check_there(run)
     if time is None and what_if:
         raise ConfigurationError("--what-if: expected --time beside it")
+    if time is not None and not 0.0 <= time < math.inf:
+        raise ConfigurationError(f"--time: expected seconds from 0 on, got {time:g}")
     from clean_swarm_env.recording.reader import RecordedMission  # these import Numba
     from train.evaluation import explain as explaining
+    from train.evaluation.repeat import task_of
+    from train.running.commands import progress
     from train.running.needs import most_numbers
 
-    also = "; run again for --what-if" if what_if else ""
-    with recorded(run, scenario, condition, math.inf if time is None else time, also=also) as (task, path):
-        recording = RecordedMission(path, most=most_numbers())
-        if time is None:
-            turns = explaining.largest_turns(recording, robot)
-            typer.echo(dumps(turns, indent=2) if json else explaining.turns_in_words(turns, robot))
-            return
-        explained = explaining.explained(task, recording, robot, time, ahead=what_if)
+    if time is None:
+        with recorded(run, scenario, condition) as path:
+            turns = explaining.largest_turns(RecordedMission(path, most=most_numbers()), robot)
+        typer.echo(dumps(turns, indent=2) if json else explaining.turns_in_words(turns, robot))
+        return
+    task = task_of(run, scenario, condition)
+    with TemporaryDirectory() as folder, progress("repeating the run", 1) as update:
+        update(most=min(time, task.first.mission.time_limit))
+        explained = explaining.explained(task, Path(folder) / "run.swarm", robot, time, ahead=what_if)
+    error_console().print(f"run again up to {time:g} s{_changes(run)}", markup=False)
     if json:
         typer.echo(explaining.as_json(*explained))
     else:
@@ -72,7 +75,7 @@ def record_command(
     from train.evaluation.repeat import check_output
 
     check_output(output)
-    with recorded(run, scenario, condition, minds=minds, output=output) as (_, path):
+    with recorded(run, scenario, condition, minds=minds, output=output) as path:
         if path != output:
             copyfile(path, output)
     recording = RecordedMission(output, ())
@@ -123,18 +126,16 @@ def recorded(
     run: Path,
     scenario: str | None,
     condition: str | None,
-    until: float = math.inf,
     *,
     minds: bool = True,
     output: Path | None = None,
-    also: str = "",
-) -> Iterator[tuple["TrialTask", Path]]:
-    """Give the task of a run in a directory of results, and its recording, with or without minds.
+) -> Iterator[Path]:
+    """Give the recording of a run in a directory of results, with or without minds.
 
-    A run that has none is repeated up to a time [s], and recorded in `output`, or for a while. The standard error says
-    at the end which was done, what `also`, and with what versions that have changed since the run.
+    A run that has none is repeated, and recorded in `output`, or for a while. The standard error says at the end which
+    was done.
     """
-    from train.evaluation.repeat import changed_versions, record_run, recording_of, task_of  # these import Numba
+    from train.evaluation.repeat import record_run, recording_of, task_of  # these import Numba
     from train.running.commands import progress
     from train.running.run_folder import RECORDINGS
 
@@ -143,18 +144,26 @@ def recorded(
     told = f"read from {path}"
     with TemporaryDirectory() as folder:
         if path is None:
-            changed = changed_versions(run)
-            told = f"run again: {run / RECORDINGS} has no recording of it" + minds * " (evaluate --minds makes one)"
-            told += f"; the course may differ from the one then: {', '.join(changed)}" if changed else ""
+            lacking = "has no recording of it" + minds * " (evaluate --minds makes one)"
+            told = f"run again: {run / RECORDINGS} {lacking}{_changes(run)}"
+            path = output or Path(folder) / "run.swarm"
             with progress("repeating the run", 1) as update:
-                update(most=min(until, task.first.mission.time_limit))
-                path = record_run(task, output or Path(folder) / "run.swarm", minds=minds, until=until)
-        yield task, path
-    error_console().print(told + also, markup=False)
+                update(most=task.first.mission.time_limit)
+                record_run(task, path, minds=minds)
+        yield path
+    error_console().print(told, markup=False)
+
+
+def _changes(run: Path) -> str:
+    """Return what to say about packages whose version has changed since a run that is repeated; nothing if none has."""
+    from train.evaluation.repeat import changed_versions  # imports Numba
+
+    changed = ", ".join(changed_versions(run))
+    return f"; the course may differ from the one then: {changed}" if changed else ""
 
 
 @contextmanager
 def recording_at(run: Path, scenario: str | None, condition: str | None, *, minds: bool = True) -> Iterator[Path]:
     """Give a recording, or that of a run in a directory of results; see `recorded`."""
-    with recorded(run, scenario, condition, minds=minds) if run.is_dir() else nullcontext((None, run)) as (_, path):
+    with recorded(run, scenario, condition, minds=minds) if run.is_dir() else nullcontext(run) as path:
         yield path

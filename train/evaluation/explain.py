@@ -7,6 +7,7 @@ import json
 from collections.abc import Sequence
 from dataclasses import asdict
 from math import tau
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -18,15 +19,14 @@ from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.deciders.strategies import PolicyDecider
 from clean_swarm_env.deciders.what_if import WhatIf
 from clean_swarm_env.recording.reader import RecordedMission
-from clean_swarm_env.recording.sampled import floor_arrays, mind_arrays
 from clean_swarm_env.world.explaining import Coordinated, Nested, RobotStep, explain_robot
 from clean_swarm_env.world.mission import period_of
-from clean_swarm_env.world.worlds import Worlds
 from selforg.arrays import Flags
 from selforg.network.explanation import Explanation, condition_tree, header, table
 from selforg.space import Torus
-from train.evaluation.repeat import steps_of
+from train.evaluation.repeat import record_run
 from train.evaluation.why import SLOW, STRAIGHT, facts_of, sentence
+from train.running.needs import most_numbers
 from train.running.trial_task import TrialTask
 
 STATES: Final = {"failed": "it has failed: its body stays", "taken away": "it has been taken away"}
@@ -42,33 +42,32 @@ APART: Final = 2.0
 
 
 def explained(
-    task: TrialTask, recording: RecordedMission, robot: int, time: float, *, ahead: bool = False
+    task: TrialTask, path: Path, robot: int, time: float, *, ahead: bool = False
 ) -> tuple[dict[str, Any], RobotStep, dict[str, Any]]:
-    """Return what run a recording with minds is of, what a robot decided at a time [s], and what led to it.
+    """Return what run a task is, what a robot decided in it at a time [s], and what led to it.
+
+    The run is repeated up to this time, and recorded in `path`.
 
     The latter is `stayed_s`, how long the robot has stayed within `STILL` of where it is [s], and `running_s`, how long
     each behaviour that runs has been running, the step included [s]; beside it the `sentence`, the `facts` in it, and
-    what a `policy` saw of the robot; with `ahead`, the next seconds under each option, `what_if`, for which the run is
-    repeated.
+    what a `policy` saw of the robot; with `ahead`, the next seconds under each option, `what_if`.
     """
-    count, period = task.first.mission.rows, recording.period
+    count = task.first.mission.rows
     check_robot(count, robot)
     names = {"experiment": task.experiment, "scenario": task.first.id, "condition": task.condition, "seed": task.seed}
-    frame = frame_at_time(recording, time)
+    batch, decided, decider, observations = record_run(task, path, until=time)
+    recording = RecordedMission(path, most=most_numbers())
+    frame, period = frame_at_time(recording, time), recording.period
     now, there = recording.at(frame), recording["present"][: frame + 1].astype(np.bool_)
-    batch, _, decider = task.team(source=lambda _: task.first, explained=True)
-    batch.reset()
     worlds = batch.worlds
-    worlds.team.joined[0] = 1 + int(np.flatnonzero(there.any(axis=0)).max())
-    put_back(worlds, recording, frame, robot)
-    step = explain_robot(worlds, robot, frame)
+    step = explain_robot(worlds, robot)
     own = slice(int(there[:, robot].argmax()), frame + 1), robot  # since it joined
     places = np.stack([recording["x"][own], recording["y"][own]], axis=1)
     ways = Torus(*worlds.extent).offsets(places[-1], places)
     stayed = _latest(np.linalg.norm(ways, axis=1) < STILL) - 1
     running = recording["robot/running"][own] == 1
-    behaviours = enumerate(recording.head["networks"]["robot"]["behaviours"])
-    ran = {name: round(_latest(running[:, b]) * period, 9) for b, name in behaviours if running[-1, b]}
+    behaviours = enumerate(worlds.network.model.behaviours)
+    ran = {one.name: round(_latest(running[:, b]) * period, 9) for b, one in behaviours if running[-1, b]}
     seen = worlds.network.model.sensor_index.get(worlds.task.sees, -1)
     unseen = _latest((recording["robot/readings"][own][:, seen] == 0.0) | (seen < 0))
     facts = facts_of(worlds, step, now, round(unseen * period, 9))
@@ -77,9 +76,8 @@ def explained(
         inputs = zip(recording.head["inputs"], now["input"][robot].tolist(), strict=True)
         told["policy"] = decider.moves(dict(inputs), step.options)
     if ahead:
-        batch, decided, decider, last = next(one for one in steps_of(task) if one[0].worlds.ticks[0] == frame + 1)
         what_if = WhatIf(batch, decided, task.settings.observation, task.directories)
-        told["what_if"] = what_if.options(robot, decider, last, np.full(count, -1))
+        told["what_if"] = what_if.options(robot, decider, observations, np.full(count, -1))
     return names, step, {"stayed_s": round(stayed * period, 9), "running_s": ran, **told}
 
 
@@ -89,6 +87,9 @@ def largest_turns(recording: RecordedMission, robot: int) -> list[dict[str, floa
     In the order of time; of those that are near each other the largest.
     """
     check_robot(recording.head["robots"], robot)
+    for name in ("command_x", "command_y"):
+        if name not in recording or recording.channels[name].axes != ("robot",):
+            raise ConfigurationError(f"{recording.path}: channels: expected {name} with an axis robot, got none")
     x, y = recording["command_x"][:, robot], recording["command_y"][:, robot]
     turns = np.diff(np.arctan2(y, x), prepend=0.0)
     turns -= tau * np.round(turns / tau)
@@ -125,47 +126,11 @@ def frame_at_time(recording: RecordedMission, time: float) -> int:
 
     """
     frame, result = period_of(time, 1.0 / recording.period), recording.result
-    if frame < 0:
-        raise ConfigurationError(f"--time: expected seconds from 0 on, got {time:g}")
     if frame >= recording.frames:
         assert result is not None
         how = "was completed after" if result["completed"] else "ended uncompleted at its time limit of"
         raise ConfigurationError(f"--time {time:g}: this mission {how} {result['duration_s']:g} s")
     return frame
-
-
-def put_back(worlds: Worlds, recording: RecordedMission, frame: int, robot: int) -> None:
-    """Make the only world of a mission as it was in a frame of its recording, as far as a robot is explained from it.
-
-    Wishes of the robot's networks are in no recording: they follow from what it read.
-    """
-    now, row, network = recording.at(frame), np.array([robot]), worlds.network
-    sampled = [*floor_arrays(worlds, [one for one in worlds.task.shown() if one.recorded]), *mind_arrays(worlds)]
-    other = [one.channel.name for one in sampled if recording.channels.get(one.channel.name) != one.channel]
-    if other:
-        raise ConfigurationError(
-            f"{recording.path}: {other[0]}: expected the channels of this version; record it again"
-        )
-    worlds.minds.poses.positions[:] = np.stack([now["x"], now["y"]], axis=1)
-    for coordinator in worlds.coordinators:
-        coordinator.hold(np.arange(worlds.rows), now[f"held/{coordinator.model.goal}"])
-    network.readings[:] = now["robot/readings"]
-    inside = [content.network for coordinator in worlds.coordinators for content in coordinator.contents]
-    for inner in inside:
-        columns = [network.model.sensor_index[sensor.name] for sensor in inner.model.sensors]
-        inner.readings[:] = network.readings[:, columns]
-    for nested in worlds.minds.nested:
-        nested.network.readings[:] = now[f"{nested.name}/readings"]
-    for every in (network, *inside, *(nested.network for nested in worlds.minds.nested)):
-        every.step(row)
-    for one in sampled:
-        one.values[:] = now[one.channel.name].reshape(one.values.shape)
-    if network.state.planned:
-        plan, length = now["robot/plan"][robot].tolist(), now["robot/plan_length"][robot]
-        network.set_plan(robot, plan[:length] if length >= 0 else None, max(now["robot/plan_due"][robot], 0))
-    for g, goal in enumerate(network.model.goals):
-        past = recording["robot/goals"][: frame + 1, robot, g]
-        network.enable_goal(row, g, goal.permanent or bool((past < goal.satisfaction_threshold).all()))
 
 
 def _latest(held: Flags) -> int:
@@ -175,11 +140,7 @@ def _latest(held: Flags) -> int:
 
 def as_json(names: dict[str, Any], step: RobotStep, before: dict[str, Any]) -> str:
     """Return a step as a JSON object; `plan` is null without a plan, `inner` if the network inside does not run."""
-    told = names | step.as_mapping() | before
-    for inner in filter(None, (one["inner"] for one in told["coordinators"])):
-        for name in ("threshold", "deciding", "total"):  # recordings have them of no option
-            del inner[name]
-    return json.dumps(told, indent=2, allow_nan=False)
+    return json.dumps(names | step.as_mapping() | before, indent=2, allow_nan=False)
 
 
 def step_on_terminal(names: dict[str, Any], step: RobotStep, before: dict[str, Any]) -> RenderableType:

@@ -38,6 +38,8 @@ from train.running.run_folder import (
 from train.running.runs import RunKey
 from train.running.trial_task import TrialTask
 
+Repeated = tuple[Batch, DecidedGoal, Decider, Observations]
+"""A run after a control period: the world, the goals that are decided, who decides them, and what it decided on."""
 LISTED = 8
 """Largest number of scenarios in an error."""
 
@@ -112,10 +114,10 @@ def changed_versions(directory: Path) -> list[str]:
     return [f"{name} {held[name]}, now {now}" for name, now in versions().items() if held.get(name, now) != now]
 
 
-def steps_of(task: TrialTask) -> Iterator[tuple[Batch, DecidedGoal, Decider, Observations]]:
+def steps_of(task: TrialTask) -> Iterator[Repeated]:
     """Repeat a run with networks that note their reasons.
 
-    Yield after each control period the world, the goals that are decided, who decides them, and what it decided on.
+    Yield it after each control period.
     """
     scenarios = iter(task.scenarios)
     batch, decided, decider = task.team(source=lambda _: next(scenarios, None), explained=True)
@@ -137,8 +139,8 @@ def _check_same_files(comparison: Comparison, path: Path) -> None:
             raise ConfigurationError(f"{path}: {name} {told}")
 
 
-def record_run(task: TrialTask, output: Path, *, minds: bool = True, until: float = math.inf) -> Path:
-    """Repeat a run, up to a time [s] if one is given, and write it to a new file; return the file.
+def record_run(task: TrialTask, output: Path, *, minds: bool = True, until: float = math.inf) -> Repeated:
+    """Repeat a run, up to a time [s] if one is given, and write it to a new file; return how it stands then.
 
     Raises:
         ConfigurationError: the file exists or cannot be written, or the mission is too large.
@@ -148,11 +150,11 @@ def record_run(task: TrialTask, output: Path, *, minds: bool = True, until: floa
     check_needs(task.first.mission, 1, ALONE, hint="the run cannot be repeated here")
     last = period_of(until, task.first.mission.world.control_rate) + 1
     with writing_to(output, anew=True):
-        for batch, *_ in steps_of(replace(task, record=RecordSettings(output.parent, minds, name=output.name))):
-            if batch.worlds.ticks[0] == last:
-                batch.close()
+        for repeated in steps_of(replace(task, record=RecordSettings(output.parent, minds, name=output.name))):
+            if repeated[0].worlds.ticks[0] == last:
+                repeated[0].close()
                 break
-    return output
+    return repeated
 
 
 def check_output(output: Path) -> None:

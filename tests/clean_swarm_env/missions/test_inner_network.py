@@ -97,8 +97,9 @@ def test_explanations_and_recordings_show_what_lies_inside(robot, tmp_path):
     start = random_start(MISSION, 5, 0)
     one = Scenario(start.id, run_seed(3, start.id), MISSION, start)
     task = TrialTask("mine", 3, (one,), "c", "MaxScore", directories=(robot(nested=True),))
-    recording = RecordedMission(record_run(task, tmp_path / "run.swarm"))
-    shown = json.loads(as_json(*explained(task, recording, 0, 4.0)))
+    shown = json.loads(as_json(*explained(task, tmp_path / "until.swarm", 0, 4.0)))
+    record_run(task, tmp_path / "run.swarm")
+    recording = RecordedMission(tmp_path / "run.swarm")
     assert [one["title"] for one in shown["networks"]] == ["Search", "Search/Pause"]
     (running,) = [b for b in shown["behaviours"] if b["name"] == "Search"]
     assert (shown["networks"][0]["inner"] is not None) == running["running"]
