@@ -70,6 +70,8 @@ class NamedDecider:
     """How it was trained, as its file says; empty if it does not."""
     network: Mapping[str, Any] = field(default_factory=dict)
     """The network that chooses options, for recordings; empty without one."""
+    probes: int = 0
+    """How many robots of a team try another option first; see `Probing`."""
 
     @property
     def identity(self) -> str:
@@ -90,6 +92,12 @@ class NamedDecider:
     def decides(self, asked: str | None) -> AskedGoal:
         """Return the goals whose options it chooses if one is `asked` for, or none."""
         return self.goal or asked or self.meant_for
+
+    def check_team(self, robots: int) -> None:
+        """Raise DocumentError if more robots are to try another option than the smallest team has."""
+        if self.probes > robots:
+            expected = f"expected at most {robots}, the robots of the smallest team"
+            raise ConfigurationError(f"probing.robots: {expected}, got {self.probes}")
 
     def observation(self, usual: Sequence[str]) -> ObservationConfig:
         """Return what it sees: its own terms, or the `usual` ones of a mission and those it needs."""
@@ -134,6 +142,7 @@ def _by_model(text: str, name: str, directories: Sequence[Path]) -> NamedDecider
         hashlib.sha256("".join(digests).encode()).hexdigest() if digests else "",
         meant_for=next((own.decides(None) for own in each.values() if own.decides(None)), None),
         further=tuple(dict.fromkeys(["model", *seen])),
+        probes=max(own.probes for own in each.values()),
     )
 
 
@@ -180,7 +189,14 @@ def _learned(text: str, name: str, directories: Sequence[Path]) -> NamedDecider:
 def _machine(text: str, name: str, directories: Sequence[Path]) -> NamedDecider:
     """Return a state machine."""
     machine, digest = load_machine(name, directories), _sha256(find_file("machines", name, directories))
-    return NamedDecider(text, partial(MachineDecider, machine), digest, meant_for=machine.goal, further=machine.terms)
+    return NamedDecider(
+        text,
+        partial(MachineDecider, machine),
+        digest,
+        meant_for=machine.goal,
+        further=machine.terms,
+        probes=machine.probing.robots,
+    )
 
 
 def _policy(text: str, name: str, directories: Sequence[Path]) -> NamedDecider:
@@ -200,6 +216,7 @@ def _policy(text: str, name: str, directories: Sequence[Path]) -> NamedDecider:
         knows=tuple(name for options in spec.goals.values() for joint in options for name in joint.split(JOINT)),
         training=spec.training,
         network=described(policy),
+        probes=spec.probing.robots,
     )
 
 

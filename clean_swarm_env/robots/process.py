@@ -34,7 +34,7 @@ from clean_swarm_env.robots.items import check_cargo, handled, put_items
 from clean_swarm_env.robots.sensed import POSE_BUFFER, Broadcast, Emitted, Sensed, Wheels
 from clean_swarm_env.robots.talking import Talk
 from clean_swarm_env.tasks.cleaning.task import Cleaning
-from selector.documents.errors import DocumentError
+from selector.documents.errors import DocumentError, within
 from selforg.program import AFTER_MOVING, COMMANDING, COUNTING, DECIDE, LEAD, MOVE, SENSE, STARTING, Program, Step
 
 EARLY: Final = 1e-6
@@ -105,7 +105,9 @@ class RobotProcess:
         self.worlds = self._batch.worlds
         self._task: Any = self.worlds.task
         self._decided = DecidedGoal(self._batch, named.decides(goal))
-        self._decider = named.build(self._decided.problem, np.zeros(whole.rows, dtype=np.int64))
+        with within(strategy):
+            named.check_team(self.mission.robots.count)
+            self._decider = named.build(self._decided.problem, np.zeros(whole.rows, dtype=np.int64))
         if self._decider.is_baseline or (named.mode == "velocity" and not self._task.thinks_when_driven):
             raise DocumentError(f"{strategy}: expected a strategy that chooses options of the robot, got another")
         self._cleans = isinstance(self._task, Cleaning)

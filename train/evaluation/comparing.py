@@ -114,8 +114,11 @@ class Comparing(Evaluation):
             self.problem, given = DecidedGoal(self.batch, goal).problem, document.conditions
             conditions = {one.name: Deciders(members=(one.strategy,), scores=one.scores) for one in given}
         self.decided, self.noticed = list[str](), list[str]()
+        fewest = document.robots[0] if isinstance(document, FamilyConfig) else first.robots.count
         for label, one in conditions.items():
             with within(told.format(label)):
+                for member in one.members:
+                    decider_named(member, request.directories).check_team(fewest)
                 changed = first.model_copy(update={"scores": {**first.scores, **one.scores}})
                 own = Batch(changed, directories=request.directories) if one.scores else self.batch
                 asked = request.goal is not None

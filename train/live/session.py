@@ -34,7 +34,7 @@ from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.by_hand import CHANGES, Change, FollowStrategy, HoldOption, change_of
 from clean_swarm_env.world.mission_end import RUNNING
 from clean_swarm_env.world.task import task_class
-from selector.documents.errors import DocumentError, one_line, validated
+from selector.documents.errors import DocumentError, one_line, validated, within
 from selector.documents.find import files_of
 from selector.documents.plain import short
 from selector.strategies.registry import STRATEGIES
@@ -195,7 +195,9 @@ class Session:
         if DIGEST in text and now != text:
             raise ConfigurationError(f"{member} has changed since; the play cannot be repeated")
         teams = np.zeros(self.batch.rows, dtype=np.int64)
-        return now, named.build(self._decided.problem, teams)
+        with within(member):
+            named.check_team(self.batch.mission.robots.count)
+            return now, named.build(self._decided.problem, teams)
 
     def _periods(self) -> Iterator[None]:
         """Run the mission; yield after each control period."""

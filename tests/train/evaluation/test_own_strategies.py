@@ -7,13 +7,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 from clean_swarm_env.clean_swarm_v0 import parallel_env
-from clean_swarm_env.config.load import load_family
+from clean_swarm_env.config.load import load_family, load_mission
 from clean_swarm_env.deciders.decided_goal import DecidedGoal
 from clean_swarm_env.deciders.models import LOADERS
 from clean_swarm_env.deciders.named import decider_named
 from clean_swarm_env.learning.batch import Batch
+from clean_swarm_env.robots.process import RobotProcess
 from selector.documents.errors import DocumentError
 from selector.documents.find import files_of
 from selector.strategies.policy_file import save_policy
@@ -25,6 +27,8 @@ from train.evaluation.comparing import Comparing
 from train.evaluation.comparison import Deciders
 from train.evaluation.conditions import UNTAUGHT, check_fit, conditions_of, remarks_on
 from train.evaluation.repeat import steps_of
+from train.live.chosen import chosen
+from train.live.session import Session
 from train.request import Request
 
 PROBLEM = Problem("AvoidCollision", ("Fernandez", "Gradient"), np.array([1.0, 0.5]), ("near", "far"))
@@ -232,6 +236,33 @@ def test_a_policy_for_goals_that_a_mission_does_not_let_it_decide_is_an_error(
     with pytest.raises(DocumentError, match=line) if line else nullcontext() as told:
         Comparing(Request(family, (strategy,), 0, 1, goal=goal))
     assert told is None or "\n" not in str(told.value)
+
+
+@pytest.mark.parametrize(("name", "fewest"), [("unseen", 6), ("table1", 5)])
+@pytest.mark.parametrize("label", ["", "mine="])
+def test_more_probing_robots_than_the_smallest_team_has_are_refused_where_the_mission_is_read(
+    name, fewest, label, tmp_path, monkeypatch
+):
+    file = tmp_path / "probing.yaml"
+
+    def asked(robots):
+        probing = {"robots": robots, "option": "Off", "until": "free_near"}
+        machine = {"goal": "AvoidCollision", "start": "on", "states": {"on": {"option": "ORCA"}}, "probing": probing}
+        file.write_text(yaml.safe_dump(machine))
+        return Request(name, (f"{label}fsm:{file}",), 0, 1, goal="AvoidCollision", knowledge="avoidance")
+
+    Comparing(asked(fewest))
+    monkeypatch.setattr("train.evaluation.comparing.check_fit", None)
+    with pytest.raises(DocumentError) as error:
+        Comparing(asked(fewest + 1))
+    where = f"--strategy {label[:-1] or f'fsm:{file}'}: probing.robots"
+    expected = f"expected at most {fewest}, the robots of the smallest team, got {fewest + 1}"
+    assert str(error.value) == f"{where}: {expected}"
+    with pytest.raises(DocumentError, match=r"probing\.yaml: probing\.robots: expected at most 5"):
+        Session(chosen("table1", 1, 0, f"fsm:{file}", (), "avoidance"), tmp_path / "run.swarm", minds=False)
+    hall = load_mission("table1").model_copy(update={"knowledge": "avoidance"})
+    with pytest.raises(DocumentError, match=r"probing\.yaml: probing\.robots: expected at most 5"):
+        RobotProcess(hall, 0, strategy=f"fsm:{file}")
 
 
 @pytest.mark.extra
