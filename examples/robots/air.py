@@ -2,10 +2,8 @@
 
 The world decides, by the rules, places and random numbers of its mission: each process is handed what the mission
 delivers to its robot. So in lock step a mission with losses has, bit for bit, the course that it has in one process.
-Three cases differ: flocking looks back, in one process, at poses that were lost on the way; poses that are late by more
-than the mission's `pose_memory` do not count for a process; and a store is walked in another order if it holds few
-gradients, where those that have evaporated count until somebody looks near them, so that sums and ties may differ: one
-mission of Foraging with a range parts after 148 s, and does not if that order is always the same.
+Two cases differ: flocking looks back, in one process, at poses that were lost on the way; and poses that are late by
+more than the mission's `pose_memory` do not count for a process.
 """
 
 from __future__ import annotations

@@ -27,6 +27,7 @@ class TeamContents(NamedTuple):
     marks: Links  # (K, MARK_COLUMNS); MARK_SERIAL counts back from the last message of the buffer, MARK_SOURCE first
     # the rows of the team, then `sources`
     sweeps: Ints  # (layers of the team,) which gradient is checked next, -1: the first
+    gone: Links  # (layers of the team,) column LAYER_GONE
     channels: tuple[str, ...]  # by their numbers
     keys: tuple[str, ...]  # names of values, by their numbers
     sources: tuple[str, ...]  # names of senders that are not rows, by their numbers
@@ -56,7 +57,8 @@ def team_contents(buffer: Any, team: int) -> TeamContents:  # noqa: ANN401  (an 
     mail = buffer.mail.to(members)
     for _, _, tags in mail:
         tags[:, [c.TAG_SPACE, c.TAG_SOURCE]] -= members[0]
-    return TeamContents(store.near[slots], store.far[slots], links, marks, sweeps, *names, payloads, mail)
+    gone = store.layers[layers, c.LAYER_GONE]
+    return TeamContents(store.near[slots], store.far[slots], links, marks, sweeps, gone, *names, payloads, mail)
 
 
 def put_team_contents(buffer: Any, team: int, state: TeamContents, later: float) -> None:  # noqa: ANN401
@@ -81,6 +83,7 @@ def put_team_contents(buffer: Any, team: int, state: TeamContents, later: float)
     first = int(record.counters[c.COUNTER_SERIAL]) + 1
     marks[order, c.MARK_SERIAL] = (first + np.arange(count)) % c.SERIALS
     record.counters[c.COUNTER_SERIAL] += count
+    record.layers[layers, c.LAYER_GONE] = state.gone
     place_slots(near, far, links, marks, layers, state.sweeps, buffer.table.packed.handle)
     for arrival, messages, tags in state.mail:
         messages, tags = messages.copy(), tags.copy()

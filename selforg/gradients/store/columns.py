@@ -70,8 +70,9 @@ MESSAGE_COLUMNS = MESSAGE_FAR + FAR_COLUMNS
     LAYER_TAIL,  # last slot of the list, -1 for none
     LAYER_COUNT,  # gradients in the list
     LAYER_SWEEP,  # slot that is checked next for having evaporated, -1: the first
+    LAYER_GONE,  # gradients that evaporated and were taken from the list, at most MOST_CELLS
     LAYER_COLUMNS,
-) = range(5)
+) = range(6)
 
 # Levels: static gradients by reach, doubling; one for those without bound; one for moving gradients
 BOUNDED = 12

@@ -13,6 +13,7 @@ from selforg.elementary import whole_power
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.linking import remove
 from selforg.gradients.store.records import Store, open_store
+from selforg.grid import MOST_CELLS
 
 
 @part
@@ -81,9 +82,12 @@ def evaporated_away(slot: int, store: Handle[Store]) -> bool:
 @part
 def still_there(slot: int, now: float, store: Written[Store]) -> bool:
     """Bring a stored gradient to `now` [s] if it is due; False if it evaporated away, it is removed then."""
-    if now >= open_store(store).near[slot, c.NEAR_DUE]:
+    s = open_store(store)
+    if now >= s.near[slot, c.NEAR_DUE]:
         evaporate(slot, now, store)
         if evaporated_away(slot, store):
+            layer = s.links[slot, c.LINK_LAYER]
+            s.layers[layer, c.LAYER_GONE] = min(s.layers[layer, c.LAYER_GONE] + 1, MOST_CELLS)
             remove(slot, store)
             return False
     return True

@@ -69,7 +69,8 @@ def gather(look: Look, sight: Handle[Sight], poses: Handle[Poses], store: Writte
             cells = -1
             if level < c.UNBOUNDED:
                 within = radius + s.bounds[level]
-                cells = near_cells(look.x, look.y, look.z, within, s.cells, level, float(members), s.window)
+                stored = float(members + s.layers[first + level, c.LAYER_GONE])  # so looking changes no order
+                cells = near_cells(look.x, look.y, look.z, within, s.cells, level, stored, s.window)
             found = gather_layer(first + level, cells, found, look, sight, poses, store)
     if open_poses(poses).aims.shape[1] > 0:
         turn_round_walls(look, min(found, len(open_sight(sight).pairs)), sight, poses, store)
@@ -160,9 +161,9 @@ def gather_layer(
                 visited += 1
             else:
                 break
+        count = renew(count, look.now, store)
         if newest_only or skipped >= 0:
             count = keep_moving(count, newest_only, skipped, store)
-        count = renew(count, look.now, store)
         approach(count, look, store)
         measure(count, store)
         if s.hidden:

@@ -78,7 +78,7 @@ def store_one(message: Floats, tag: Ints, now: float, store: Written[Store]) -> 
     start_evaporation(slot, now, store)
     first = first_layer(int(tag[c.TAG_CHANNEL]), int(tag[c.TAG_SPACE]), store)
     if tag[c.TAG_MOVING]:
-        kept = store_moving(slot, first + c.MOVING, store)
+        kept = store_moving(slot, first + c.MOVING, now, store)
     else:
         free = s.counters[c.COUNTER_FREE]
         kept = aggregate(slot, first, int(s.rules[tag[c.TAG_CHANNEL]]), now, store)
@@ -115,19 +115,19 @@ def reuse_place(slot: int, store: Written[Store]) -> int:
 
 
 @part
-def store_moving(slot: int, layer: int, store: Written[Store]) -> bool:
+def store_moving(slot: int, layer: int, now: float, store: Written[Store]) -> bool:
     """Link a moving gradient as the newest of its source; if it is not newer than the last one, return False."""
     s = open_store(store)
     source = s.marks[slot, c.MARK_SOURCE]
     bucket = bucket_of(layer, source, s.buckets)
     other = s.buckets[bucket]
     while other >= 0:
+        following = s.links[other, c.LINK_NEXT]
         same = s.links[other, c.LINK_LAYER] == layer and s.links[other, c.LINK_CELL] == source
-        if same and s.marks[other, c.MARK_RANK] == 0:
-            if s.far[slot, c.FAR_STAMP] <= s.far[other, c.FAR_STAMP]:
-                return False
-            break
-        other = s.links[other, c.LINK_NEXT]
+        newer = s.far[slot, c.FAR_STAMP] > s.far[other, c.FAR_STAMP]
+        if same and still_there(other, now, store) and not newer:
+            return False
+        other = following
     if s.history == 0:
         return False
     other = s.buckets[bucket]
@@ -183,4 +183,4 @@ def clear_space(space: int, store: Written[Store]) -> None:
         for layer in range(first, first + c.LEVELS):
             while s.layers[layer, c.LAYER_HEAD] >= 0:
                 remove(s.layers[layer, c.LAYER_HEAD], store)
-            s.layers[layer, c.LAYER_SWEEP] = -1
+            s.layers[layer, c.LAYER_SWEEP], s.layers[layer, c.LAYER_GONE] = -1, 0

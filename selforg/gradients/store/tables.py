@@ -86,7 +86,7 @@ class Tables:
     def add_channel(self, rule: int) -> None:
         """Make layers for one channel more, which aggregates by `rule` (AGGREGATE_)."""
         more = np.full((self.spaces * c.LEVELS, c.LAYER_COLUMNS), -1, dtype=np.int32)
-        more[:, c.LAYER_COUNT] = 0
+        more[:, [c.LAYER_COUNT, c.LAYER_GONE]] = 0
         layers = np.concatenate([self.record.layers, more])
         self.packed.replace(self.record._replace(layers=layers, rules=np.append(self.record.rules, rule)))
 

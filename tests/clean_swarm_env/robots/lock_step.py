@@ -1,5 +1,6 @@
 """Missions in one process and in lock step over processes of robots, tick by tick."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -13,6 +14,7 @@ from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.given import mission_from
 from clean_swarm_env.learning.observation.config import usual_terms
 from clean_swarm_env.robots.process import RobotProcess
+from clean_swarm_env.world.worlds import Worlds
 from examples.robots.bodies import ServedBodies, tick_together
 
 
@@ -23,6 +25,8 @@ class Both:
     mission: object
     strategy: str
     seed: int
+    watch: Callable[[Worlds], np.ndarray] | None = None
+    """Returns what is kept of a control period, `poses_of` if not given."""
     course: list = field(default_factory=list)
     """Poses (N, 3) after each control period in one process."""
 
@@ -36,7 +40,8 @@ class Both:
         decider = named.build(decided.problem, np.zeros(batch.rows, dtype=np.int64))
         observations = batch.reset()
         decider.reset(batch.worlds.rows_of(0), self.seed)
-        batch.watch = lambda: self.course.append(poses_of(batch.worlds))
+        watch = self.watch or poses_of
+        batch.watch = lambda: self.course.append(watch(batch.worlds))
         while not batch.over[0]:
             observations = batch.step(decided.decide(decider, observations)).observations
         self.result = batch.finished[0].result

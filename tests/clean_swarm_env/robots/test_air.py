@@ -1,10 +1,12 @@
 """Through the air of a mission, with its range, losses and delay, processes have the course of one process."""
 
+import numpy as np
 import pytest
 
 from clean_swarm_env.robots.process import RobotProcess
 from clean_swarm_env.robots.sensed import Sensed
-from tests.clean_swarm_env.robots.lock_step import Both, same_course
+from selforg.gradients.queries import Filter, Queries
+from tests.clean_swarm_env.robots.lock_step import Both, poses_of, same_course
 
 BAD = {"reach": 3.0, "loss": 0.3, "delay": 0.4}
 LATER = [{"at": 5.0, "do": "deliver", "loss": 0.6, "reach": 2.0}]
@@ -48,15 +50,24 @@ def test_whole_missions_with_losses_are_those_of_one_process(mission, strategy, 
     "task",
     [
         *("AgentCollisionAvoidance", "CircleFormation", "CollectiveExploration", "CollisionAvoidance"),
-        *("FindBarycenter", "FollowMaxPotential", "FollowPotentialField", "IndividualExploration"),
+        *("FindBarycenter", "FollowMaxPotential", "FollowPotentialField", "Foraging", "IndividualExploration"),
         *("MaxValue", "ReachGoal", "UniformDistribution"),
-        pytest.param(
-            "Foraging", marks=pytest.mark.xfail(strict=True, reason="parts after 148 s, see examples.robots.air")
-        ),
     ],
 )
 def test_tasks_with_losses_are_those_of_one_process(task):
     same_course({"task": task, "delivery": BAD}, "MaxScore", 1)
+
+
+def test_queries_from_outside_change_no_course():
+    def look(worlds):
+        for buffer in worlds.minds.buffers.values():
+            Queries(buffer).gather(worlds.now, look=Filter(view_distance=np.inf))
+            buffer.evaporate(worlds.now)
+        return poses_of(worlds)
+
+    mission = {"task": "Foraging", "time_limit": 170.0, "delivery": {"reach": 3.0}}
+    alone, looked_at = (Both(mission, "MaxScore", 1, watch) for watch in (None, look))
+    np.testing.assert_array_equal(alone.course, looked_at.course)  # they parted in tick 807
 
 
 def test_the_course_depends_on_what_gets_lost():

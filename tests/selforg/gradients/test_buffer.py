@@ -105,6 +105,31 @@ def test_when_it_is_looked_at_does_not_change_what_is_left():
     assert len(one) > 0
 
 
+@pytest.mark.parametrize(("moving", "view", "period"), [(False, 2.0, 2.0), (True, np.inf, 0.5)])
+def test_who_has_looked_before_changes_neither_what_is_seen_nor_its_order(moving, view, period):
+    seen = []
+    for looked_at in (False, True):
+        rng, answers, settings = np.random.default_rng(5), [], {"aggregation_distance": 0.3, "moving_storage_size": 3}
+        buffer = buffer_of(**settings)
+        for tick in range(300):
+            now = 0.2 * tick
+            for factor in rng.choice([0.0, 0.5, 0.9, 1.0], 2):
+                stamp, place, source = now - rng.choice([0.0, 0.6]), tuple(rng.random(2) * 11), "abc"[rng.integers(3)]
+                fades = {"evaporation_factor": factor, "evaporation_period": period}
+                buffer.store(Gradient("f", place, source=source, stamp=stamp, moving=moving, **fades), now)
+            if looked_at and tick % 3 == 0:
+                buffer.evaporate(now)
+            if tick % 20 == 19:
+                query, look = Queries(buffer), Filter(view_distance=view)
+                answers += [query.gather(now, look=look, histories=all_of).pairs[:, :7] for all_of in (False, True)]
+                state, buffer = buffer.part_of(0), buffer_of(**settings)
+                buffer.put_part(0, state, 0.0)
+        seen.append(answers)
+    for one, other in zip(*seen, strict=True):
+        np.testing.assert_array_equal(one, other)
+    assert sum(map(len, seen[0])) > 50
+
+
 def test_growing_keeps_everything_and_the_order_within_cells():
     small, large = (buffer_of(aggregation_distance=0.0) for _ in range(2))
     positions = np.random.default_rng(1).random((1000, 2)) * 11
