@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from operator import itemgetter
 
 import numpy as np
 
@@ -21,14 +20,12 @@ from clean_swarm_env.learning.given import mission_from
 from clean_swarm_env.robots.process import RobotProcess
 from clean_swarm_env.robots.sensed import Broadcast
 from examples.robots.air import MissionAir
+from examples.robots.bad_reception import BadReception, Faults
 from examples.robots.bodies import ServedBodies, tick_together
 from train.analysis.intervals import Estimate
 from train.running.trial_task import TrialTask
 
-LOSS, DELAY, TWICE = 0.3, 0.4, 0.2
-"""Share of broadcasts that a robot misses [-], until it hears others [s], share of these that come again [-]."""
-AGAIN = 0.2
-"""Time between both [s]."""
+FAULTS = Faults(loss=0.3, delay=0.4, twice=0.2)
 
 
 class BadRadio(MissionAir):
@@ -36,25 +33,22 @@ class BadRadio(MissionAir):
 
     def __init__(self, bodies: ServedBodies, seed: int) -> None:
         super().__init__(bodies.worlds)
-        self._rng = np.random.default_rng(seed)
-        self._waiting: list[tuple[float, int, Broadcast]] = []  # when it is heard [s], by whom, and what
+        rng = np.random.default_rng(seed)
+        self._receptions = [BadReception(FAULTS, rng) for _ in range(bodies.worlds.rows)]
 
     def carry_left(self, told: Sequence[Broadcast], robots: Sequence[RobotProcess]) -> None:
         """Send what robots left in the control period before."""
-        now = self._worlds.now
-        for row, robot in enumerate(robots):
+        for reception in self._receptions:
             for one in told:
-                lost, again = self._rng.random(2) < (LOSS, TWICE)
-                copies = 0 if lost or one.robot == robot.name else 1 + again
-                self._waiting += [(now + DELAY + AGAIN * copy, row, one) for copy in range(copies)]
+                reception.send(one, self._worlds.now)
 
     def carry_said(self, said: Sequence[Broadcast], robots: Sequence[RobotProcess]) -> None:
         """Send what robots say now, and let them hear what has come."""
         self.carry_left(said, robots)
-        now = self._worlds.now
-        for _, row, one in sorted((one for one in self._waiting if one[0] <= now), key=itemgetter(0)):
-            robots[row].hear(one)
-        self._waiting = [one for one in self._waiting if one[0] > now]
+        for robot, reception in zip(robots, self._receptions, strict=True):
+            for one in reception.heard(self._worlds.now):
+                if one.robot != robot.name:
+                    robot.hear(one)
 
 
 def by_processes(scenario: Scenario, strategy: str) -> tuple[float, int]:
@@ -82,7 +76,7 @@ def scenarios_of(name: str, count: int, loss: float, delay: float) -> list[Scena
 
 def main(name: str, strategy: str, count: int) -> None:
     """Print the mean costs of missions by processes and in one process, also without losses."""
-    lossy, exact = scenarios_of(name, count, LOSS, DELAY), scenarios_of(name, count, 0.0, 0.0)
+    lossy, exact = scenarios_of(name, count, FAULTS.loss, FAULTS.delay), scenarios_of(name, count, 0.0, 0.0)
     found = [by_processes(one, strategy) for one in lossy]
     costs, refused = np.array([cost for cost, _ in found]), sum(number for _, number in found)
     alone = np.array(in_one_process(lossy, strategy))

@@ -16,6 +16,7 @@ from clean_swarm_env.learning.given import mission_from
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.robots.process import RobotProcess
 from clean_swarm_env.robots.sensed import Sensed
+from examples.robots.bad_reception import Faults
 from examples.robots.bodies import ServedBodies
 from examples.ros.robot import LockStep, RobotNode
 from examples.ros.wire import MissionClock, stay_on_this_machine
@@ -43,7 +44,7 @@ def run_robot(given: argparse.Namespace) -> int:
     warm_up(RobotProcess(mission, number, given.strategy, start=start))
     robot = RobotProcess(mission, number, given.strategy, start=start, seed=given.seed, timeout=timeout)
     executor = SingleThreadedExecutor()
-    faults = given.loss, given.twice, given.delay
+    faults = Faults(given.loss, given.delay, given.twice)
     radius = given.scale * robot.mission.robots.radius
     node = RobotNode(robot, clock, stamped=not given.twist, radius=radius, scale=given.scale, faults=faults)
     executor.add_node(node)

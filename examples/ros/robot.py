@@ -12,14 +12,15 @@
 """
 
 import json
-import random
 import time
 from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from math import atan2
+from typing import Final
 
+import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
@@ -30,9 +31,12 @@ from std_msgs.msg import String, UInt8MultiArray
 from clean_swarm_env.robots.process import RobotProcess
 from clean_swarm_env.robots.radio import Radio
 from clean_swarm_env.robots.sensed import Broadcast, Sensed, Wheels
+from examples.robots.bad_reception import BadReception, Faults
 from examples.robots.safety import kept_clear
 from examples.ros.wire import AGAIN, RADIO, STEADY, MissionClock, from_text
 from selector.documents.errors import DocumentError
+
+NO_FAULTS: Final = Faults()
 
 
 class RobotNode(Node):
@@ -44,7 +48,7 @@ class RobotNode(Node):
         stamped: whether commands are TwistStamped.
         radius: of its body on the floor, for the safety filter [m].
         scale: length on the floor of a unit of the mission's lengths [m].
-        faults: shares of broadcasts that are lost, and that come twice, and their delay [s], for tests.
+        faults: of its radio, for tests.
 
     """
 
@@ -56,12 +60,12 @@ class RobotNode(Node):
         stamped: bool = False,
         radius: float = 0.0,
         scale: float = 1.0,
-        faults: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        faults: Faults = NO_FAULTS,
     ) -> None:
         super().__init__(robot.name)
-        self.robot, self.clock, self._air, self._faults = robot, clock, Radio(), faults
+        self.robot, self.clock, self._air = robot, clock, Radio()
+        self._reception = BadReception(faults, np.random.default_rng(robot.row))
         self._radius, self._scale, self._ranges, self._stamped = radius, scale, LaserScan(), stamped
-        self._chance, self._waiting = random.Random(robot.name), []  # when heard [s], and what
         self._last: Sensed | None = None
         self._told_in, self._missed, self.ticks, self.damaged = -1, 0, 0, 0
         kind, own = TwistStamped if stamped else Twist, f"/{robot.name}"
@@ -100,21 +104,15 @@ class RobotNode(Node):
         self._ranges = scan
 
     def listen(self, raw: bytes) -> None:
-        """Hear what somebody says, unless it gets lost."""
-        loss, twice, delay = self._faults
-        if self._chance.random() >= loss:
-            copies = 1 + (self._chance.random() < twice)
-            self._waiting += [(self.clock.now + delay, raw)] * copies
+        """Take what somebody says, by way of its radio."""
+        said = self.decoded(raw)
+        if said is not None and said.robot != self.robot.name:
+            self._reception.send(said, self.clock.now)
 
     def hear_due(self) -> None:
         """Let the robot hear what has arrived."""
-        now, waiting, self._waiting = self.clock.now, self._waiting, []
-        for due, raw in waiting:
-            said = self.decoded(raw) if due <= now else None
-            if due > now:
-                self._waiting.append((due, raw))
-            elif said is not None and said.robot != self.robot.name:
-                self.robot.hear(said)
+        for said in self._reception.heard(self.clock.now):
+            self.robot.hear(said)
 
     def decoded(self, raw: bytes) -> Broadcast | None:
         """Return what bytes say; None for damaged ones, which are counted."""

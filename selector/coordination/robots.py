@@ -56,7 +56,6 @@ class CoordinatedRobots:
         documents: Ints | None = None,
     ) -> None:
         listed = (models,) if isinstance(models, CoordinatorModel) else tuple(models)
-        self.host = host
         robot = network or RobotNetwork(network_of(listed))
         self.network = BehaviourNetwork(robot.model, host.rows, planner, explained)
         self.coordinators = tuple(
