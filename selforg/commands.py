@@ -14,19 +14,19 @@ class Commanded(NamedTuple):
     """The commands of all robots in one tick."""
 
     vectors: Annotated[
-        Floats, "N D", SCRATCH
+        Floats, "R D", SCRATCH
     ]  # direction and speed [m/s]; of a robot that turns in place, the direction only
     commanded: Annotated[
-        Flags, "N", SCRATCH
+        Flags, "R", SCRATCH
     ]  # whether there is a command; a zero vector commands the robot to stand still
-    in_place: Annotated[Flags, "N", SCRATCH]  # whether the robot turns without moving
+    in_place: Annotated[Flags, "R", SCRATCH]  # whether the robot turns without moving
 
 
 class Moved(NamedTuple):
     """Movements of all rows, where mechanisms write them."""
 
-    vectors: Annotated[Floats, "N D", SCRATCH]  # [m/s]
-    active: Annotated[Flags, "N", SCRATCH]  # whether there is a movement
+    vectors: Annotated[Floats, "R D", SCRATCH]  # [m/s]
+    active: Annotated[Flags, "R", SCRATCH]  # whether there is a movement
 
 
 open_commanded, open_moved = opening(Commanded), opening(Moved)

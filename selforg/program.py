@@ -46,7 +46,7 @@ STOP: Final = "stop"
 class Rows(NamedTuple):
     """Rows that steps are run for, the first ones of a list that compiled code may write."""
 
-    listed: Annotated[Ints, "N", SCRATCH]
+    listed: Annotated[Ints, "R", SCRATCH]
     length: Annotated[Ints, "1", SCRATCH]
 
     @classmethod

@@ -30,6 +30,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable
+from functools import cache
 from typing import Annotated, Any, Generic, TypeVar, cast, get_args, get_origin, get_type_hints
 
 import numpy as np
@@ -100,6 +101,7 @@ class Recording(Generic[Record]):
         kind: the class, a NamedTuple; fields are float, int, or `Annotated[ARRAY, SHAPE, MARK]` with an array type and
             a mark of `selforg.arrays`, and a name for each axis, by spaces.
         open: returns, in compiled code, the record whose handle it is given.
+        of_rows: names of the arrays whose first axis is R, one entry for each row.
 
     """
 
@@ -113,6 +115,7 @@ class Recording(Generic[Record]):
                 raise TypeError(f"{kind.__name__}.{name}: expected Annotated[ARRAY, 'AXES', MARK], got {hint}")
         self._fields = {name: numba_type(hint, f"{kind.__name__}.{name}") for name, hint in hints.items()}
         self._shapes = {name: get_args(hint)[1] for name, hint in hints.items() if get_origin(hint) is Annotated}
+        self.of_rows = [name for name, shape in self._shapes.items() if shape.split()[0] == "R"]
         self._tag = int.from_bytes(
             hashlib.sha256(f"{kind.__module__}.{kind.__qualname__}".encode()).digest()[:7], "big"
         )
@@ -174,10 +177,17 @@ def words_of_field(field: Compiler, value: Any, where: str, shape: str) -> list[
     if field is types.int64:
         return [int(value)]
     fits = isinstance(value, np.ndarray) and value.flags.c_contiguous and value.flags.writeable
-    if not fits or value.ndim != field.ndim or value.dtype.name != field.dtype.name.replace("bool_", "bool"):
+    fits = fits and value.ndim == field.ndim and value.dtype.name == field.dtype.name.replace("bool_", "bool")
+    if not fits or any(value.shape[axis] != length for axis, length in lengths_in(shape)):
         got = f"{value.dtype} {value.shape}" if isinstance(value, np.ndarray) else repr(value)
         raise TypeError(f"{where}: expected a C-contiguous {field.dtype} array ({shape.replace(' ', ', ')}), got {got}")
     return [value.ctypes.data, *value.shape]
+
+
+@cache
+def lengths_in(shape: str) -> list[tuple[int, int]]:
+    """Return the axes that a shape gives a length, with it."""
+    return [(axis, int(name)) for axis, name in enumerate(shape.split()) if name.isdecimal()]
 
 
 class Kept:

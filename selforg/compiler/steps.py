@@ -16,7 +16,7 @@ from numba.np import arrayobj
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import long_kernel
 from selforg.compiler.intrinsics import LLVM, Compiler, int_at
-from selforg.compiler.records import Packed
+from selforg.compiler.records import Packed, Recording
 
 MOST_RECORDS: Final = 6
 """Records that a step may take."""
@@ -42,6 +42,7 @@ def words_of_step(
 
     Raises:
         TypeError: the kernel takes other records, or them in another order; or it returns no int.
+        ValueError: an array of a record, of an entry for each row, is shorter than the list or ends before its rows.
 
     """
     told = map(str, get_annotations(kernel.py_func).values() if kernel else ())  # the dispatcher has none from 3.14 on
@@ -49,6 +50,13 @@ def words_of_step(
     got = [type(one.record).__name__ for one in records]
     if wanted and wanted != got:
         raise TypeError(f"step {kernel.__name__}: expected the records {wanted}, got {got}")
+    length = max(len(rows[0]), int(rows[0][: rows[1][0]].max(initial=-1)) + 1)
+    for record in (one.record for one in records):
+        for name in Recording.of[type(record)].of_rows:
+            found = len(getattr(record, name))
+            if found < length:
+                where = f"{type(record).__name__}.{name}"
+                raise ValueError(f"step {kernel.__name__}: expected at least {length} rows in {where}, got {found}")
     head = 0 if kernel is None else address_of(kernel, len(records)), rows[1].ctypes.data, rows[0].ctypes.data
     addresses = [cast("Any", packed.handle).ctypes.data for packed in records] + [0] * (MOST_RECORDS - len(records))
     return [*head, len(records), int(always), 1 << stage, *addresses]

@@ -77,13 +77,13 @@ class Hearing(NamedTuple):
     channel: int  # number of its channel
     largest: int  # 1: the largest counts, 0: the newest
     view_distance: float  # [m]
-    knows: Annotated[Flags, "N", READ]  # whether the row tells and hears it
-    values: Annotated[Floats, "N", SCRATCH]  # what was heard [-], 0 for nothing
-    stamps: Annotated[Floats, "N", SCRATCH]  # when it was told [s]
-    tellers: Annotated[Ints, "N", SCRATCH]  # row that told it, -1 for nothing
+    knows: Annotated[Flags, "R", READ]  # whether the row tells and hears it
+    values: Annotated[Floats, "R", SCRATCH]  # what was heard [-], 0 for nothing
+    stamps: Annotated[Floats, "R", SCRATCH]  # when it was told [s]
+    tellers: Annotated[Ints, "R", SCRATCH]  # row that told it, -1 for nothing
     due: Annotated[Floats, "1", SCRATCH]  # when one of those stored evaporates next [s]
-    messages: Annotated[Floats, "N MESSAGE", SCRATCH]
-    tags: Annotated[Ints, "N TAG", SCRATCH]
+    messages: Annotated[Floats, "R MESSAGE", SCRATCH]
+    tags: Annotated[Ints, "R TAG", SCRATCH]
 
 
 open_hearing = opening(Hearing)

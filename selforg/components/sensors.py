@@ -34,16 +34,16 @@ MOST_METRES: Final = 100.0
 
 
 class Reading(NamedTuple):
-    """What a compiled sensor makes of an answer, and where it writes that, of N rows."""
+    """What a compiled sensor makes of an answer, and where it writes that, of R rows."""
 
     is_fact: int  # 1: whether there is an answer above `above`, and at most `most`; 0: the answer itself
     above: float  # nan: no bound
     most: float
     least: float  # smallest number that is read
     absent: float  # number that is read without an answer
-    readings: Annotated[Floats, "N S", KEPT]  # of the network that has the sensor
+    readings: Annotated[Floats, "R S", KEPT]  # of the network that has the sensor
     column: int  # of the sensor there
-    shown: Annotated[Floats, "N T", KEPT]  # readings of a network that gets them too
+    shown: Annotated[Floats, "R T", KEPT]  # readings of a network that gets them too
     shown_column: int
 
 

@@ -30,8 +30,8 @@ CLOCK_TOLERANCE = 1e-6
 class Answers(NamedTuple):
     """Answers to one question of all rows, as sensors read them."""
 
-    there: Annotated[Flags, "N", READ]  # whether there is an answer
-    values: Annotated[Floats, "N", READ]
+    there: Annotated[Flags, "R", READ]  # whether there is an answer
+    values: Annotated[Floats, "R", READ]
 
 
 open_answers = opening(Answers)
@@ -60,13 +60,13 @@ class KeptAnswers(NamedTuple):
     hold: float  # [s]; this and the next fields: see `MovementSource`
     exponent: float
     longest: float  # [s]
-    active: Annotated[Flags, "N", READ]
-    asked: Annotated[Floats, "N", CLOCKED]  # time of the last question [s]
-    holds: Annotated[Floats, "N", KEPT]  # times for which the answers are kept [s]
-    directions: Annotated[Floats, "N BLOCK 3", READ]  # unit vectors drawn ahead
-    cursor: Annotated[Ints, "N", KEPT]  # next direction of each row
+    active: Annotated[Flags, "R", READ]
+    asked: Annotated[Floats, "R", CLOCKED]  # time of the last question [s]
+    holds: Annotated[Floats, "R", KEPT]  # times for which the answers are kept [s]
+    directions: Annotated[Floats, "R BLOCK 3", READ]  # unit vectors drawn ahead
+    cursor: Annotated[Ints, "R", KEPT]  # next direction of each row
     low: Annotated[Flags, "1", derived(True)]  # set when a row has used half of its directions
-    listed: Annotated[Ints, "N", SCRATCH]  # rows that are asked again, the first `length`
+    listed: Annotated[Ints, "R", SCRATCH]  # rows that are asked again, the first `length`
     length: Annotated[Ints, "1", SCRATCH]
 
 

@@ -127,9 +127,9 @@ class Choosing(NamedTuple):
     rule: int  # CHOOSE_
     sight_bits: int  # SEE_
     view_distance: float  # [m]
-    offsets: Annotated[Floats, "N D", SCRATCH]  # from the own centre to that of the gradient, 0 without one [m]
-    clearance: Annotated[Floats, "N", SCRATCH]  # distance of the centres minus both goal radii, 0 without one [m]
-    present: Annotated[Flags, "N", SCRATCH]  # whether there is one
+    offsets: Annotated[Floats, "R D", SCRATCH]  # from the own centre to that of the gradient, 0 without one [m]
+    clearance: Annotated[Floats, "R", SCRATCH]  # distance of the centres minus both goal radii, 0 without one [m]
+    present: Annotated[Flags, "R", SCRATCH]  # whether there is one
 
 
 open_choosing = opening(Choosing)

@@ -55,8 +55,8 @@ class Rule(NamedTuple):
     max_speed: float  # [m/s]
     angle_xy: float  # view angle to either side of the heading in the x-y plane [rad]
     angle_yz: float  # likewise in the y-z plane
-    directions: Annotated[Floats, "N BLOCK 3", READ]  # unit vectors drawn ahead
-    cursor: Annotated[Ints, "N", KEPT]  # next direction of each row
+    directions: Annotated[Floats, "R BLOCK 3", READ]  # unit vectors drawn ahead
+    cursor: Annotated[Ints, "R", KEPT]  # next direction of each row
     low: Annotated[Flags, "1", derived(True)]  # set when a row has used half of its directions
     parameters: Annotated[Floats, "PARAMETER", READ]  # of the formula; each mechanism numbers its own
     boids: Annotated[Floats, "P BOID", SCRATCH]  # room for as many boids as pairs; columns BOID_

@@ -23,14 +23,14 @@ from tests.paths import ROOT
 class Tally(NamedTuple):
     """What rows have counted."""
 
-    counts: Annotated[Floats, "N", KEPT]
+    counts: Annotated[Floats, "R", KEPT]
     by: float
 
 
 class Even(NamedTuple):
     """A list of rows."""
 
-    listed: Annotated[Ints, "N", SCRATCH]
+    listed: Annotated[Ints, "R", SCRATCH]
     length: Annotated[Ints, "1", SCRATCH]
 
 
@@ -118,6 +118,15 @@ def test_records_of_another_class_or_number_than_the_kernel_takes_are_one_line(o
     line = f"expected the records ['Tally', 'Even'], got {[name.title() for name in order]}"
     steps = [Step(SENSE, list_even, Rows.of(np.arange(2)), list_even, records)]
     with pytest.raises(TypeError, match=re.escape(line)):
+        Program(lambda: steps).run(0.2)
+
+
+@pytest.mark.skipif(not BY_ADDRESS, reason="called by address only")
+@pytest.mark.parametrize(("listed", "length"), [(np.arange(4), 4), (np.array([3]), 4), (np.zeros(5, np.int64), 5)])
+def test_an_array_that_is_shorter_than_the_rows_of_its_step_is_one_line(listed, length):
+    steps = [Step(SENSE, count_rows, Rows.of(listed), count_rows, (Packed(Tally(np.zeros(3), 1.0)),))]
+    line = f"step count_rows: expected at least {length} rows in Tally.counts, got 3"
+    with pytest.raises(ValueError, match=f"^{line}$"):
         Program(lambda: steps).run(0.2)
 
 

@@ -1,6 +1,6 @@
 """The records of gradients and poses that compiled code takes; columns of tables are in `columns`.
 
-Letters of shapes: N rows, K poses of a row, T teams, S information spaces, C channels, M gradients that fit in, B
+Letters of shapes: R rows, K poses of a row, T teams, S information spaces, C channels, M gradients that fit in, B
 buckets (a power of two), P pairs, L levels.
 """
 
@@ -19,19 +19,19 @@ Margins = tuple[float, float, float]
 class Poses(NamedTuple):
     """The poses that rows share, and cells by which those of large teams are found."""
 
-    own: Annotated[Floats, "N K POSE", clocked(POSE_STAMP)]  # poses of each row, the newest first; columns POSE_
-    rows: Annotated[Ints, "N ROW", KEPT]  # columns ROW_
-    teams: Annotated[Ints, "N", READ]  # of each row
+    own: Annotated[Floats, "R K POSE", clocked(POSE_STAMP)]  # poses of each row, the newest first; columns POSE_
+    rows: Annotated[Ints, "R ROW", KEPT]  # columns ROW_
+    teams: Annotated[Ints, "R", READ]  # of each row
     first: Annotated[Ints, "T+1", READ]  # where each team begins in `members`
-    members: Annotated[Ints, "N", READ]  # rows, team by team
+    members: Annotated[Ints, "R", READ]  # rows, team by team
     reach: Annotated[Floats, "T", SCRATCH]  # largest reach of a pose in each team [m]
     extent: Annotated[Floats, "3", READ]  # of the space [m], 0 for an open axis
     cells: Annotated[Floats, "1 CELL", READ]  # one grid for all teams; columns of `selforg.grid`
     buckets: Annotated[Links, "B", SCRATCH]  # first row in each bucket, -1 for none
-    links: Annotated[Links, "N 2", SCRATCH]  # next row in the bucket, -1 for none; cell of the row
-    radii: Annotated[Floats, "N 2", READ]  # diffusion and goal radius of the poses that rows spread from now on [m]
-    wall_ways: Annotated[Floats, "N S 2", SCRATCH]  # ways to the nearest points of near walls [m]; S is 0 without walls
-    wall_counts: Annotated[Ints, "N", SCRATCH]  # how many there are
+    links: Annotated[Links, "R 2", SCRATCH]  # next row in the bucket, -1 for none; cell of the row
+    radii: Annotated[Floats, "R 2", READ]  # diffusion and goal radius of the poses that rows spread from now on [m]
+    wall_ways: Annotated[Floats, "R S 2", SCRATCH]  # ways to the nearest points of near walls [m]; S is 0 without walls
+    wall_counts: Annotated[Ints, "R", SCRATCH]  # how many there are
     segments: Annotated[Floats, "K 4", READ]  # this and the next fields: those of `Walls`
     cell_lists: Annotated[Ints, "CELLS", READ]
     listed: Annotated[Ints, "L", READ]

@@ -125,10 +125,10 @@ class DecisionRule(NamedTuple):
     view_distance: float  # [m]
     threshold: float  # of a quorum: number of neighbours
     key: int  # code of the payload entry that is compared
-    before: Annotated[Floats, "N", READ]  # values up to now
-    values: Annotated[Floats, "N", SCRATCH]  # room for values
-    states: Annotated[Ints, "N", SCRATCH]  # room for states; they come in as they are up to now
-    decided: Annotated[Flags, "N", SCRATCH]  # room for whether there is a decision
+    before: Annotated[Floats, "R", READ]  # values up to now
+    values: Annotated[Floats, "R", SCRATCH]  # room for values
+    states: Annotated[Ints, "R", SCRATCH]  # room for states; they come in as they are up to now
+    decided: Annotated[Flags, "R", SCRATCH]  # room for whether there is a decision
 
 
 open_decision_rule = opening(DecisionRule)

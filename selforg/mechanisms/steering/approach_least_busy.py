@@ -35,9 +35,9 @@ SAME_GOAL = 1e-6
 class Approaching(NamedTuple):
     """The parameters of `ApproachLeastBusy`, what rows remember, and room for the others of one row."""
 
-    others: Annotated[Floats, "N OTHER", SCRATCH]  # columns OTHER_
-    places: Annotated[Floats, "N 2", KEPT]  # of the goal that each row chose last [m]
-    times: Annotated[Floats, "N TIME", CLOCKED]  # columns CHOSEN_AT and WAITING_SINCE [s], -inf: never
+    others: Annotated[Floats, "R OTHER", SCRATCH]  # columns OTHER_
+    places: Annotated[Floats, "R 2", KEPT]  # of the goal that each row chose last [m]
+    times: Annotated[Floats, "R TIME", CLOCKED]  # columns CHOSEN_AT and WAITING_SINCE [s], -inf: never
     view_distance: float  # from here on: see `ApproachLeastBusy`
     weight: float
     crowd: float

@@ -42,7 +42,7 @@ NEARLY = 1e-9
 class HalfPlanes(NamedTuple):
     """The parameters of `ORCA`, and room for the others and the half-planes of one row."""
 
-    others: Annotated[Floats, "N OTHER", SCRATCH]  # columns OTHER_
+    others: Annotated[Floats, "R OTHER", SCRATCH]  # columns OTHER_
     lines: Annotated[Floats, "N+S LINE", SCRATCH]  # columns POINT_ and NORMAL_; S walls
     projected: Annotated[Floats, "N+S LINE", SCRATCH]  # the half-planes of the three-dimensional program
     found: Annotated[Floats, "2", SCRATCH]  # the velocity found [m/s]

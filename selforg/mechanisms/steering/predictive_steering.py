@@ -51,10 +51,10 @@ class Foresight(NamedTuple):
         Floats, "K 4", READ
     ]  # direction beside the wanted one [rad], share of its speed; cosine and sine
     others: Annotated[Floats, "N+S OTHER", SCRATCH]  # columns OTHER_
-    places: Annotated[Floats, "N PLACE", KEPT]  # where each row last made progress; columns PLACE_
-    times: Annotated[Floats, "N TIME", CLOCKED]  # columns SINCE and DARING_UNTIL [s]
-    directions: Annotated[Floats, "N BLOCK 3", READ]  # unit vectors drawn ahead
-    cursor: Annotated[Ints, "N", KEPT]  # next direction of each row
+    places: Annotated[Floats, "R PLACE", KEPT]  # where each row last made progress; columns PLACE_
+    times: Annotated[Floats, "R TIME", CLOCKED]  # columns SINCE and DARING_UNTIL [s]
+    directions: Annotated[Floats, "R BLOCK 3", READ]  # unit vectors drawn ahead
+    cursor: Annotated[Ints, "R", KEPT]  # next direction of each row
     low: Annotated[Flags, "1", derived(True)]  # set when a row has used half of its directions
     view_distance: float  # from here on: see `PredictiveSteering`
     distance: float

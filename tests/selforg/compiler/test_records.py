@@ -73,6 +73,7 @@ def test_compiled_code_reads_and_writes_the_arrays_of_a_record():
     [
         ("places", np.zeros((2, 3)).T),
         ("places", np.zeros(3)),
+        ("places", np.zeros((3, 3))),
         ("counts", np.zeros(3)),
         ("links", np.zeros((2, 3), dtype=np.int64)),
         ("flags", None),
