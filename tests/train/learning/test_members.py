@@ -200,7 +200,9 @@ def test_a_damaged_checkpoint_is_one_line(tmp_path, monkeypatch, change, line):
         EsTraining(job(config, tmp_path / "run", resume=True))
 
 
-@pytest.mark.parametrize(("fresh", "most"), [(0.2, 0.2), (1.0, 0.4)])  # the best option alone: 0.4
+@pytest.mark.parametrize(  # the best option alone: 0.4
+    ("fresh", "most"), [(0.2, 0.2), pytest.param(1.0, 0.4, marks=pytest.mark.long)]
+)
 def test_a_design_finds_a_machine_that_costs_little(tmp_path, monkeypatch, fresh, most):
     observed = np.random.default_rng(1).uniform(-1.0, 1.0, (20, 7)).astype(np.float32)
     course = np.repeat(observed, 3, axis=0)[:, None]  # each robot sees the same for three decisions
