@@ -104,7 +104,7 @@ def test_what_strategies_learned_is_taken_from_their_files(words, undrawn, tmp_p
         (("--strategy", "policy:none"), "unknown policy 'none'"),
         (("--strategy", "learned:none"), "unknown learned strategy 'none'"),
         (("--strategy", "fixed:Nothing"), "unknown option 'Nothing'"),
-        (("--strategy", "fsm:rule", "--knowledge", "cleaning"), "machine: options: unknown option 'RepulsionGradient-from0.25'"),
+        (("--strategy", "fsm:rule", "--knowledge", "cleaning"), "options: unknown option 'RepulsionGradient-"),
         (("--condition", "A"), "--condition: expected with an experiment"),
     ],
 )
