@@ -154,6 +154,8 @@ def _baseline(text: str, *_: object) -> NamedDecider:
 def _strategy(text: str, *_: object) -> NamedDecider:
     """Return a registered strategy, or one of the user's own, with parameters."""
     own = named_in(text)[0]
+    if not is_import(own):
+        spec_from_text(text)  # a mistake is told before anything is compiled
 
     def build(problem: Problem, teams: Ints) -> Decider:
         return StrategyDecider(spec_from_text(text), problem, teams)
