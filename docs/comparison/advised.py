@@ -25,8 +25,8 @@ from docs.figures.stored import ROOT, record
 from selector.documents.fields import JOINT
 from selector.knowledge import Option
 from train.advising.evaluation import AdviceEvaluation
+from train.advising.findings import WORTH_LEARNING
 from train.advising.opening import OpenedMission, document_of, open_mission, variants_of
-from train.advising.report import WORTH_LEARNING
 from train.analysis.flips import ALPHA
 from train.evaluation import pipeline
 from train.request import Request

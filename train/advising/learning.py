@@ -19,7 +19,8 @@ from selector.documents.fields import JOINT
 from selector.documents.reading import as_yaml
 from selector.documents.writing import write_whole
 from train.advising.evaluation import FAMILY, AdviceEvaluation
-from train.advising.report import Advice, shown_cheaper, times
+from train.advising.findings import shown_cheaper
+from train.advising.report import Advice, times
 from train.advising.rounds import seconds_of
 from train.advising.scores import options_known
 from train.analysis.family_report import ratio_of

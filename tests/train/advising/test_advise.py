@@ -342,7 +342,7 @@ def test_a_selector_is_worth_it_or_not_or_that_is_not_known(ratios, expected):
 )
 def test_more_starts_are_asked_for_where_they_may_be_had_and_would_tell(starts, ratios, expected):
     report = judged(**{name: costing(*one) for name, one in ratios.items()})
-    report.found.starts, report.search.done = starts, {}
+    report.found.starts, report.budgeted = starts, []
     assert Advice._more_starts.fget(report).startswith(expected)
 
 
