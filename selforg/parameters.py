@@ -2,6 +2,7 @@
 
 import inspect
 import math
+from collections.abc import Collection
 from functools import cache
 from inspect import Parameter
 from typing import Annotated, TypeAlias, get_args, get_type_hints
@@ -51,3 +52,9 @@ def positive(owner: object, name: str, value: float) -> float:
     if not 0.0 < value < math.inf:
         raise ValueError(f"{type(owner).__name__}: {name} must be positive and finite, got {value!r}")
     return float(value)
+
+
+def check_choice(what: str, given: object, known: Collection[object]) -> None:
+    """Raise ValueError, which begins with `what`, for something given that is not one of the `known`."""
+    if given not in known:
+        raise ValueError(f"{what} must be one of {', '.join(map(str, known))}, got {given!r}")

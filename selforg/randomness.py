@@ -8,7 +8,7 @@ import numpy as np
 from selforg.arrays import KEPT, Flags, Floats, Ints, derived
 from selforg.compiler.decorators import kernel
 from selforg.elementary import unit_vectors
-from selforg.parameters import at_least
+from selforg.parameters import at_least, check_choice
 
 GOLDEN_ANGLE = np.pi * (3.0 - np.sqrt(5.0))
 
@@ -32,8 +32,7 @@ class DirectionStream:
     _generators: Annotated[list[np.random.Generator | None], "N", KEPT]
 
     def __init__(self, generators: Sequence[np.random.Generator], dim: int = 2, block: int = 256) -> None:
-        if dim not in (2, 3):
-            raise ValueError(f"DirectionStream: dim must be 2 or 3, got {dim!r}")
+        check_choice("DirectionStream: dim", dim, (2, 3))
         at_least(self, "block", block, 1)
         self.dim = dim
         self.block = block

@@ -4,7 +4,7 @@ import numpy as np
 
 from selforg.arrays import Floats
 from selforg.compiler.decorators import inlined, lean_kernel
-from selforg.parameters import positive
+from selforg.parameters import check_choice, positive
 
 
 class Space:
@@ -38,8 +38,7 @@ class Euclidean(Space):
     """Open space of `dim` 2 or 3 dimensions."""
 
     def __init__(self, dim: int = 2) -> None:
-        if dim not in (2, 3):
-            raise ValueError(f"Euclidean: dim must be 2 or 3, got {dim!r}")
+        check_choice("Euclidean: dim", dim, (2, 3))
         super().__init__(np.zeros(dim))
 
 

@@ -25,7 +25,7 @@ from selforg.gradients.store.evaporation import still_there
 from selforg.gradients.store.linking import first_layer, space_of
 from selforg.gradients.store.records import Poses, Store, open_poses, open_store
 from selforg.mechanisms.spreading import Carried, Spreader
-from selforg.parameters import AtLeastZero, Finite, UpToOne
+from selforg.parameters import AtLeastZero, Finite, UpToOne, check_choice
 from selforg.program import Rows, Step
 from selforg.space import squared_length
 
@@ -59,8 +59,7 @@ class FactRule:
 
     def __post_init__(self) -> None:
         """Check what no single field says."""
-        if self.keep not in ("newest", "largest"):
-            raise ValueError(f"keep: expected newest or largest, got {self.keep!r}")
+        check_choice("keep", self.keep, ("newest", "largest"))
         check_fields(0, self.diffusion, 0.0, self.evaporation_factor, self.evaporation_period, 0.0)
         for name, least, most in (
             ("diffusion", SHARED_FACTS.min_diffusion, LARGEST),

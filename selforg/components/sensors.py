@@ -24,7 +24,7 @@ from selforg.components.sources import (
     open_answers,
 )
 from selforg.network.model.behaviours import SensorKind
-from selforg.parameters import AtLeastZero, Finite, at_least
+from selforg.parameters import AtLeastZero, Finite, at_least, check_choice
 from selforg.plugins import Promises, are_numbers
 from selforg.program import SENSE, Rows, Step
 from selforg.registry import Registry
@@ -245,8 +245,7 @@ class StateIs(SensorComponent):
 
     def __init__(self, mechanism: DecisionSource, state: str) -> None:
         known = mechanism.mechanism.states
-        if state not in known:
-            raise ValueError(f"StateIs: state must be one of {', '.join(known)}, got {state!r}")
+        check_choice("StateIs: state", state, known)
         self.source, self.sources, self.code = mechanism, (mechanism,), known.index(state)
 
     def read(self, rows: Ints) -> npt.NDArray[np.generic]:

@@ -14,7 +14,7 @@ from selforg.gradients.gradient import Gradient
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.gathering import index_poses, make_pose_cells
 from selforg.gradients.store.records import Poses, open_poses
-from selforg.parameters import at_least
+from selforg.parameters import at_least, check_choice
 from selforg.program import BEGINNING, Rows, Step
 from selforg.space import Space, wrapped
 from selforg.walls.segments import Walls, cell_of_walls, no_walls, open_walls, to_segment
@@ -74,8 +74,7 @@ class OwnPoses:
             raise ValueError(
                 f"OwnPoses: diffusion and goal_radius must be at least 0 [m], got {diffusion!r}, {goal_radius!r}"
             )
-        if attraction not in (-1, 0, 1):
-            raise ValueError(f"OwnPoses: attraction must be -1, 0 or 1, got {attraction!r}")
+        check_choice("OwnPoses: attraction", attraction, (-1, 0, 1))
         at_least(self, "history", history, 0)
         if names is not None and (len(names) != rows or len(set(names)) != rows):
             raise ValueError(f"OwnPoses: names must be {rows} different names, got {names!r}")

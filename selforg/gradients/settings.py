@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from selforg.parameters import at_least, positive
+from selforg.parameters import at_least, check_choice, positive
 
 AGGREGATE_DROP, AGGREGATE_MAX, AGGREGATE_MIN, AGGREGATE_AVERAGE = 0, 1, 2, 3
 AGGREGATE_NEW, AGGREGATE_NEW_SOURCE, AGGREGATE_NEW_CHANNEL = 4, 5, 6
@@ -54,9 +54,7 @@ class BufferSettings:
             at_least(self, name, getattr(self, name), 0)
         positive(self, "smallest_cell", self.smallest_cell)
         for channel, rule in self.aggregation.items():
-            if rule not in AGGREGATION_RULES:
-                known = ", ".join(AGGREGATION_RULES)
-                raise ValueError(f"BufferSettings: aggregation of {channel!r} must be one of {known}, got {rule!r}")
+            check_choice(f"BufferSettings: aggregation of {channel!r}", rule, AGGREGATION_RULES)
 
     def rule_of(self, channel: str) -> int:
         """Return the code of the aggregation rule of `channel`."""

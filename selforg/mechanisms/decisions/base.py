@@ -18,6 +18,7 @@ from selforg.gradients.store.gathering import gather, look_all_around
 from selforg.gradients.store.records import Poses, Sight, Store, open_poses, open_sight
 from selforg.mechanisms.base import LookOptions, Mechanism
 from selforg.mechanisms.spreading import Carried, Spreader
+from selforg.parameters import check_choice
 from selforg.plugins import Promises, are_numbers
 
 
@@ -71,8 +72,7 @@ class DecisionMechanism(Mechanism):
         super().__init__(buffer, **options)
         rows = self.poses.rows
         state = self.states[0] if state is None else state
-        if state not in self.states:
-            raise ValueError(f"{type(self).__name__}: state must be one of {', '.join(self.states)}, got {state!r}")
+        check_choice(f"{type(self).__name__}: state", state, self.states)
         self.values = np.array(np.broadcast_to(np.asarray(value, dtype=np.float64), (rows,)))
         if not np.isfinite(self.values).all():
             raise ValueError(f"{type(self).__name__}: value must be finite, got {value!r}")

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Literal, get_args
 
 from selforg.network.model.conditions import Optional, Tree
+from selforg.parameters import check_choice
 
 SensorKind = Literal["fact", "number"]
 Algorithm = Literal["default", "uniform"]
@@ -21,7 +22,7 @@ class Sensor:
     kind: SensorKind = "number"
 
     def __post_init__(self) -> None:
-        _check_choice(f"sensor {self.name!r}: kind", self.kind, get_args(SensorKind))
+        check_choice(f"sensor {self.name!r}: kind", self.kind, get_args(SensorKind))
 
 
 @dataclass(frozen=True)
@@ -142,7 +143,7 @@ class NetworkSettings:
     strict_progress: bool = False
 
     def __post_init__(self) -> None:
-        _check_choice("algorithm", self.algorithm, get_args(Algorithm))
+        check_choice("algorithm", self.algorithm, get_args(Algorithm))
         if not math.isfinite(self.activation_threshold):
             raise ValueError(f"activation_threshold must be finite, got {self.activation_threshold}")
         if not 0.0 < self.threshold_decay <= 1.0:
@@ -158,8 +159,3 @@ def column_of(columns: Mapping[str, int], name: str, where: str) -> int:
     if name not in columns:
         raise ValueError(f"{where}: unknown sensor {name!r} (known: {', '.join(columns)})")
     return columns[name]
-
-
-def _check_choice(what: str, given: str, known: tuple[str, ...]) -> None:
-    if given not in known:
-        raise ValueError(f"{what} must be one of {', '.join(known)}, got {given!r}")

@@ -133,7 +133,7 @@ def test_conditions_that_exclude_each_other_may_be_optional_or_count_a_little(co
             "behaviours.Rest: preconditions: expected conditions that can be true together, got 'garbage_at' both true",
         ),
         (changed("parameters", "idle", to=1.0), "parameters.idle: nothing in the configuration uses $idle"),
-        (facts(door={"keep": "oldest"}), "facts.door: keep: expected newest or largest, got 'oldest'"),
+        (facts(door={"keep": "oldest"}), "facts.door: keep must be one of newest, largest, got 'oldest'"),
         (facts(door={"diffusion": float("nan")}), "facts.door: diffusion: expected a finite number, got nan"),
         (
             facts(door={"evaporation_period": 1e-9}),
