@@ -25,7 +25,6 @@ from matplotlib.textpath import text_to_path
 from matplotlib.transforms import Affine2D, Bbox
 from PIL import Image
 
-from clean_swarm_env.config.types import ConfigurationError
 from clean_swarm_env.drawing.canvas import NOTHING, Canvas, Pixels, appearances, trail_strength
 from clean_swarm_env.drawing.look import LOOK, OPTION_COLOURS, SIGN_OF, Sign, legend
 from selector.documents.writing import write_whole
@@ -66,12 +65,6 @@ def pixels_of(canvas: Canvas, side: int = SIDE, *, numbers: bool = True) -> Pixe
     renderer = RendererAgg(picture.width, picture.height, DPI)
     picture.draw(renderer)
     return np.ascontiguousarray(np.asarray(renderer.buffer_rgba())[:, :, :3])
-
-
-def check_picture(output: Path) -> None:
-    """Raise ConfigurationError if there is no such kind of pictures."""
-    if output.suffix.lower() not in FORMATS:
-        raise ConfigurationError(f"{output}: expected a name that ends with {', '.join(FORMATS)}")
 
 
 def write_picture(canvas: Canvas, output: Path, side: int, *, numbers: bool = True) -> None:

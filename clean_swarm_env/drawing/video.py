@@ -34,13 +34,6 @@ CLEAR: Final = 255
 """Number of the colour of a GIF that leaves what is behind it; the others are fewer."""
 
 
-def check_video(output: Path) -> None:
-    """Raise ConfigurationError if no video can be written to a file of this name."""
-    if output.suffix.lower() not in WRITERS:
-        expected = f"expected a name that ends with {', '.join(WRITERS)}"
-        raise ConfigurationError(f"{output}: {expected}; of a .gif, ffmpeg makes other videos")
-
-
 def write_video(output: Path, pictures: Iterator[Pixels]) -> None:
     """Write pictures (height, width, 3) of one even size as a video of 20 a second; the file appears whole at the end.
 

@@ -2,7 +2,7 @@
 
 import errno
 import os
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from shutil import rmtree
@@ -24,6 +24,17 @@ def writing_to(path: Path, *, anew: bool = False) -> Iterator[None]:
             rmtree(path, ignore_errors=True)
             path.unlink(missing_ok=True)
         raise
+
+
+def check_output(path: Path, endings: Collection[str], *, new: bool = False, hint: str = "") -> None:
+    """Raise DocumentError for a file with another ending, or for one that is there where a `new` one is expected.
+
+    The folder of a file is made when it is written.
+    """
+    if path.suffix.lower() not in endings:
+        raise DocumentError(f"{path}: expected a name that ends with {', '.join(endings)}{hint}")
+    if new and path.exists():
+        raise DocumentError(f"{path}: exists already; expected a new file")
 
 
 def write_whole(path: Path, content: bytes) -> None:

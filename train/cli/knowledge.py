@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from selector.documents.plain import DocumentError as ConfigurationError
-from selector.documents.writing import write_whole
+from selector.documents.writing import check_output, write_whole
 from train.cli.options import wide_console
 
 app = typer.Typer(no_args_is_help=True, help="Keep expert knowledge and learned rewards in a file.")
@@ -65,8 +65,8 @@ def export_file(
     from train.memory import opened
     from train.reports.knowledge_tables import amount
 
-    if str(output) != "-" and output.suffix not in (".yaml", ".yml", ".json"):
-        raise ConfigurationError(f"{output}: expected a name that ends in .yaml or .json")
+    if str(output) != "-":
+        check_output(output, (".yaml", ".yml", ".json"), new=True)
     kept = opened(store, create=False)
     contents = kept.contents()
     if context is None:
@@ -78,8 +78,6 @@ def export_file(
     if str(output) == "-":
         typer.echo(text, nl=False)
         return
-    if output.exists():
-        raise ConfigurationError(f"{output}: cannot be written (File exists)")
     write_whole(output, text.encode())
     typer.echo(f"{amount(contents)} in {output}")
 

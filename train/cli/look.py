@@ -14,10 +14,10 @@ from rich.progress import track
 
 from selector.documents.plain import DocumentError as ConfigurationError
 from selector.documents.plain import must_know
+from selector.documents.writing import check_output, write_whole
 from train.cli.options import (
     MAY_NAME_CODE,
     Configs,
-    check_figure,
     check_there,
     check_whole,
     error_console,
@@ -32,6 +32,8 @@ app = typer.Typer(
     no_args_is_help=True, rich_markup_mode=None, help="picture, draw: a run or a document as a file (seconds)"
 )
 LEAST_SIZE, MOST_SIZE = 200, 4000
+DIAGRAMS = (".svg", ".png", ".pdf")
+"""Endings of diagrams."""
 ShownRun = Annotated[
     Path, typer.Argument(help=f"A recording, or a directory of results; {MAY_NAME_CODE}.", metavar="RUN")
 ]
@@ -51,10 +53,10 @@ def picture_command(
 ) -> None:
     """Draw a moment of a run, with the option that each robot holds; a run without a recording is repeated."""
     check_there(run)
-    from clean_swarm_env.drawing.picture import check_picture, write_picture  # imports NumPy
+    from clean_swarm_env.drawing.picture import FORMATS, write_picture  # imports NumPy
 
     check_whole({"--size": (size, LEAST_SIZE, MOST_SIZE)})
-    check_picture(output)
+    check_output(output, FORMATS)
     with course_of(run, scenario, condition) as course:
         check_times(course, {"--time": time})
         write_picture(course.at(time), output, size, numbers=numbers)
@@ -105,13 +107,13 @@ def video_command(
     check_there(run)
     from clean_swarm_env.drawing.canvas import FRAMES_PER_SECOND  # imports NumPy
     from clean_swarm_env.drawing.picture import pixels_of
-    from clean_swarm_env.drawing.video import check_video, write_video
+    from clean_swarm_env.drawing.video import WRITERS, write_video
     from train.running.needs import check_file  # imports Numba
 
     check_whole({"--size": (size, LEAST_SIZE, MOST_SIZE)})
     if speed is not None and not 0.0 < speed <= FASTEST:
         raise ConfigurationError(f"--speed: expected a positive number up to {FASTEST:g}, got {speed:g}")
-    check_video(output)
+    check_output(output, WRITERS, hint="; of a .gif, ffmpeg makes other videos")
     with course_of(run, scenario, condition) as course:
         last = course.end if end is None else end
         check_times(course, {"--from": begin, "--to": last})
@@ -138,7 +140,6 @@ def report_command(
 ) -> None:
     """Write results as one page without network: tables, distributions, selection, learning curves."""
     check_there(*directories)
-    from selector.documents.writing import write_whole
     from train.report_page.page import report_of_results  # imports SciPy
     from train.reports.results import results_in
 
@@ -167,13 +168,13 @@ def draw_command(
 ) -> None:
     """Draw sensors, preconditions, behaviours, effects and goals of a network as a diagram."""
     from selector.documents.reading import read_mapping
-    from selector.documents.writing import write_whole
     from selector.strategies.machine_file import load_machine
     from train.reports.charts import picture_of
     from train.reports.machine_picture import draw_machine
     from train.reports.network_picture import draw_panels
 
-    check_figure("--output", output)
+    if output is not None:
+        check_output(output, DIAGRAMS)
     path = _found(robot, configs or [])
     file = output or Path(f"{path.stem}.svg")
     if "states" in read_mapping(path):
@@ -184,7 +185,7 @@ def draw_command(
     else:
         panels = _panels(path, knowledge, configs or [])
         figure, drawn = draw_panels(panels), f"{len(panels)} network{'s' if len(panels) > 1 else ''}"
-    write_whole(file, picture_of(figure, file.suffix))
+    write_whole(file, picture_of(figure, file.suffix.lower()))
     typer.echo(f"{drawn} in {file}")
 
 

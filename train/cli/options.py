@@ -5,7 +5,6 @@ which it makes the one `Request`. Libraries that take seconds are imported only 
 """
 
 import inspect
-import os
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -36,8 +35,6 @@ Configs = Annotated[
     ),
 ]
 Seed = Annotated[int, typer.Option(help="Seed of everything random.")]
-PICTURE_SUFFIXES = (".svg", ".png", ".pdf")
-"""Endings of figures."""
 
 SHARED: dict[str, tuple[Any, Any]] = {
     "scenarios": (
@@ -192,18 +189,6 @@ def check_there(*paths: Path | None, where: str = "") -> None:
     for path in paths:
         if path is not None and not path.exists():
             raise ConfigurationError(f"{where}{path}: cannot be read (No such file or directory)")
-
-
-def check_figure(option: str, file: Path | None) -> None:
-    """Raise ConfigurationError for a file that is no picture or cannot be written, before anything runs."""
-    if file is None:
-        return
-    if file.suffix not in PICTURE_SUFFIXES:
-        raise ConfigurationError(f"{option}: expected a name that ends in {', '.join(PICTURE_SUFFIXES)}, got {file}")
-    if not file.parent.is_dir():
-        raise ConfigurationError(f"{option}: {file}: no such directory as {file.parent}")
-    if file.is_dir() or not os.access(file.parent, os.W_OK):
-        raise ConfigurationError(f"{option}: {file}: cannot be written")
 
 
 def wide_console() -> Console:

@@ -13,6 +13,7 @@ import typer
 from rich.console import Console
 
 from selector.documents.plain import DocumentError as ConfigurationError
+from selector.documents.writing import check_output
 from train.cli.options import MAY_NAME_CODE, check_there, error_console
 
 RunDirectory = Annotated[
@@ -71,12 +72,13 @@ def record_command(
 ) -> None:
     """Write the recording of a run; a run without one is repeated. docs/recordings.md describes the file."""
     check_there(run)
-    from clean_swarm_env.recording.reader import RecordedMission  # these import Numba
-    from train.evaluation.repeat import check_output
+    from clean_swarm_env.recording.file import SUFFIX  # these import Numba
+    from clean_swarm_env.recording.reader import RecordedMission
 
-    check_output(output)
+    check_output(output, (SUFFIX,), new=True)
     with recorded(run, scenario, condition, minds=minds, output=output) as path:
         if path != output:
+            output.parent.mkdir(parents=True, exist_ok=True)
             copyfile(path, output)
     recording = RecordedMission(output, ())
     typer.echo(f"{recording.frames} steps of {recording.head['robots']} robots in {output}")

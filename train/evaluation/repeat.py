@@ -21,7 +21,7 @@ from selector.documents.fields import Closed, Number
 from selector.documents.plain import must_know, short
 from selector.documents.reading import json_lines
 from selector.documents.trust import check_trust, is_import, reading_files
-from selector.documents.writing import writing_to
+from selector.documents.writing import check_output, writing_to
 from train.evaluation.comparison import Comparison
 from train.running.finished_runs import JOURNAL, runs_of
 from train.running.needs import ALONE, check_needs
@@ -146,7 +146,7 @@ def record_run(task: TrialTask, output: Path, *, minds: bool = True, until: floa
         ConfigurationError: the file exists or cannot be written, or the mission is too large.
 
     """
-    check_output(output)
+    check_output(output, (SUFFIX,), new=True)
     check_needs(task.first.mission, 1, ALONE, hint="the run cannot be repeated here")
     last = period_of(until, task.first.mission.world.control_rate) + 1
     with writing_to(output, anew=True):
@@ -155,16 +155,6 @@ def record_run(task: TrialTask, output: Path, *, minds: bool = True, until: floa
                 repeated[0].close()
                 break
     return repeated
-
-
-def check_output(output: Path) -> None:
-    """Raise ConfigurationError for the file of a recording that exists or cannot be written."""
-    if output.suffix != SUFFIX:
-        raise ConfigurationError(f"{output}: expected a name that ends with {SUFFIX}")
-    if output.exists():
-        raise ConfigurationError(f"{output}: exists already; expected a new file")
-    if not output.parent.is_dir():
-        raise ConfigurationError(f"{output}: cannot be written (no such directory)")
 
 
 def recording_of(task: TrialTask, results: Path, *, minds: bool) -> Path | None:

@@ -108,7 +108,7 @@ def test_reset_asks_and_forgets_a_source(filled, monkeypatch):
         (("show",), "data/clean-swarm/knowledge.sqlite: no such knowledge store"),
         (("show", "--store", "sqlite:///k"), "store: expected the path of a file, got 'sqlite:///k'"),
         (("import", "none.yaml"), "none.yaml: cannot be read (No such file or directory)"),
-        (("export", "k.txt"), "k.txt: expected a name that ends in .yaml or .json"),
+        (("export", "k.txt"), "k.txt: expected a name that ends with .yaml, .yml, .json"),
         (("reset", "--source", "x"), "data/clean-swarm/knowledge.sqlite: no such knowledge store"),
     ],
 )
@@ -121,7 +121,7 @@ def test_mistakes_are_one_line_and_leave_nothing(tmp_path, words, message):
     ("words", "message"),
     [
         (("show", "AvoidColision"), "unknown goal 'AvoidColision' (known: AvoidCollision; did you mean"),
-        (("export", "expert.yaml"), "expert.yaml: cannot be written (File exists)"),
+        (("export", "expert.yaml"), "expert.yaml: exists already; expected a new file"),
         (("export", "k.json", "--context", "crowded"), "k.json: expected a name that ends in .yaml with --context"),
         (("export", "k.yaml", "--context", "crowd"), "k.sqlite: unknown context 'crowd' (known: , crowded; did you"),
     ],

@@ -290,7 +290,7 @@ def test_a_recording_holds_what_explain_says(evaluated, tmp_path):
     for name, expected in (
         ("run.swarm", "exists already; expected a new file"),
         ("run.npz", "expected a name that ends with .swarm"),
-        ("none/run.swarm", "cannot be written"),
+        ("run.swarm/run.swarm", "cannot be written"),
     ):
         assert expected in refused("record", evaluated, "--output", tmp_path / name)
 
