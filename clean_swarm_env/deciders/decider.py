@@ -14,8 +14,7 @@ import numpy as np
 
 from clean_swarm_env.learning.actions import Mode
 from clean_swarm_env.learning.observation.observer import Observations
-from selector.documents.errors import DocumentError
-from selector.strategies.problem import Problem, unknown_component
+from selector.strategies.problem import Problem, must_know_component
 from selforg.arrays import Floats, Ints
 
 
@@ -156,6 +155,5 @@ def mode_of(*, options: bool, vector: bool) -> Mode:
 def columns_of(problem: Problem, names: tuple[str, ...], what: str) -> Ints:
     """Return the indices of components of an observation; DocumentError for an unknown name."""
     for name in names:
-        if name not in problem.features:
-            raise DocumentError(f"{what}: {unknown_component(name, problem.features)}")
+        must_know_component(name, problem.features, what)
     return np.array([problem.features.index(name) for name in names], dtype=np.int64)

@@ -179,8 +179,7 @@ class RobotNetwork:
     def __post_init__(self) -> None:
         for holder, nested in self.inner.items():
             where = f"network in behaviour {holder!r}"
-            if holder not in self.model.behaviour_index:
-                raise ValueError(f"{where}: no such behaviour (known: {', '.join(self.model.behaviour_index)})")
+            must_know("behaviour", holder, self.model.behaviour_index, where)
             for sensor in nested.shared:
                 outer = self.model.sensors[self.model.sensor(sensor.name, where)]
                 if outer.kind != sensor.kind:

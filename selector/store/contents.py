@@ -11,10 +11,10 @@ from pydantic import AwareDatetime, Field, StringConstraints, model_validator
 
 from selector.documents.errors import DocumentError, shown, validated
 from selector.documents.fields import Closed, Context, Label, Number
+from selector.documents.plain import must_know
 from selector.documents.reading import as_yaml, read_json, read_mapping
 from selector.knowledge import Definition, Knowledge, LearnedScore, LearnedScores, Option, believed, knowledge_from
 from selector.store.exact_sums import NO_REWARDS, Moments
-from selforg.registry import unknown
 
 FORMAT = {"format": "clean-swarm knowledge store", "version": 1}
 """What an exported store says that it is."""
@@ -219,12 +219,11 @@ def knowledge_text(contents: StoredKnowledge, context: str, where: str) -> str:
     """Return expert knowledge as the text of a file, with the scores learned in a context of a store at `where`.
 
     Raises:
-        StoreError: nothing was learned in this context.
+        DocumentError: nothing was learned in this context.
 
     """
     contexts = sorted({key.context for key in contents.learned})
-    if context not in contexts:
-        raise StoreError(f"{where}: {unknown('context', context, contexts)}")
+    must_know("context", context, contexts, where)
     knowledge = contents.knowledge(where)
     learned = contents.scores(knowledge, context)
     goals = {}

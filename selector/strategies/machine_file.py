@@ -14,7 +14,7 @@ from selector.documents.errors import DocumentError, impossible
 from selector.documents.fields import JOINT, Closed, JointName, Name, Number, Share
 from selector.documents.find import load_file
 from selector.strategies.probing import Probing
-from selector.strategies.problem import Problem, unknown_component
+from selector.strategies.problem import Problem, must_know_component
 
 MOST_STATES = 16
 """Most states, and most transitions of a state."""
@@ -113,8 +113,8 @@ class StateMachine(Closed):
             raise DocumentError(f"{where}: made to decide {self.goal}, got {problem.goal} to decide")
         problem.check_options(f"{where}: options", (state.option for state in self.states.values()))
         for way in self.ways:
-            if way.when is not None and way.when not in problem.features:
-                raise DocumentError(f"{where}: {unknown_component(way.when, problem.features)}")
+            if way.when is not None:
+                must_know_component(way.when, problem.features, where)
 
 
 def load_machine(name: str, directories: Sequence[Path] = ()) -> StateMachine:

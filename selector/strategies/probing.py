@@ -8,11 +8,11 @@ from pydantic import Field, model_validator
 
 from selector.documents.errors import DocumentError, impossible
 from selector.documents.fields import Closed, Flag, JointName, Name, Share
+from selector.documents.plain import must_know
 from selector.strategies.choosing import drawn, shares
-from selector.strategies.problem import Problem, unknown_component
+from selector.strategies.problem import Problem, must_know_component
 from selector.strategies.streams import Keys, row_keys, uniforms
 from selforg.arrays import Flags, Floats, Ints
-from selforg.registry import unknown
 
 
 class Probing(Closed):
@@ -62,10 +62,10 @@ class Prober:
             raise DocumentError(
                 f"probing: robots: expected at most {least}, the robots of the team, got {probing.robots}"
             )
-        if probing.option is not None and probing.option not in problem.options:
-            raise DocumentError(f"probing: {unknown('option', probing.option, problem.options)}")
-        if probing.until is not None and probing.until not in problem.features:
-            raise DocumentError(f"probing: {unknown_component(probing.until, problem.features)}")
+        if probing.option is not None:
+            must_know("option", probing.option, problem.options, "probing")
+        if probing.until is not None:
+            must_know_component(probing.until, problem.features, "probing")
         named = (probing.option, problem.options), (probing.until, problem.features)
         self._places = [names.index(name) for name, names in named if name is not None]
 

@@ -1,15 +1,15 @@
 """The input of a decision strategy: its problem, the decisions to make, and the rewards of earlier decisions."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from selector.documents.plain import must_know
 from selector.knowledge import Definitions, Knowledge, believed, must_know_option
 from selforg.arrays import Flags, Floats, Ints
-from selforg.registry import unknown
 
 
 @dataclass(frozen=True)
@@ -140,12 +140,7 @@ def whole_numbers(name: str, values: npt.ArrayLike, shape: tuple[int, ...], what
     return numbers
 
 
-def unknown_component(name: str, known: Sequence[str]) -> str:
-    """Return the message for an unknown component of the observation; those of a fact need robots that declare it.
-
-    >>> unknown_component("heard_news", ["near"])
-    "unknown component 'heard_news' (known: near); it is there where the robots' document declares the fact"
-
-    """
+def must_know_component(name: str, known: Collection[str], where: str) -> None:
+    """Raise DocumentError for an unknown component of the observation; those of a fact need robots that declare it."""
     hint = "; it is there where the robots' document declares the fact"
-    return unknown("component", name, known) + hint * name.startswith(("heard_", "age_of_"))
+    must_know("component", name, known, where, hint * name.startswith(("heard_", "age_of_")))

@@ -22,10 +22,10 @@ from pydantic import (
 )
 
 from selector.documents.fields import Closed, Flag, Name, Positive, Share
+from selector.documents.plain import must_know
 from selector.vocabulary.components import ComponentSpec
 from selforg.network.model import behaviours, conditions
 from selforg.network.model.activators import ACTIVATORS, Activator
-from selforg.registry import unknown
 
 MOST_CONDITIONS = 2_000
 """Conditions of a network, those of a name counted wherever it stands; the cleaning robot has 20."""
@@ -98,8 +98,7 @@ class NamedConditions:
         """Return what is given, or the condition of which the name is given."""
         self.number += 1
         while isinstance(given, str) and self.number <= MOST_CONDITIONS:
-            if given not in self.conditions:
-                raise ValueError(unknown("condition", given, sorted(self.conditions)))
+            must_know("condition", given, sorted(self.conditions))
             given = self.conditions[given]
             self.number += 1
         if self.number > MOST_CONDITIONS:

@@ -9,11 +9,11 @@ from rich.table import Table
 
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.world.task import task_class
+from selector.documents.plain import must_know
 from selector.knowledge import ENOUGH, Knowledge
-from selector.store import StoredKnowledge, StoreError
+from selector.store import StoredKnowledge
 from selector.store.contents import Entry
 from selector.strategies.problem import Problem
-from selforg.registry import unknown
 from train.analysis.intervals import MeanError
 from train.reports.text_table import EMPTY_CELL, Grid
 
@@ -38,8 +38,7 @@ def all_goals(contents: StoredKnowledge) -> Table:
 def one_goal(contents: StoredKnowledge, goal: str) -> Table:
     """Return a row for each option, context and source of a goal: score, count, mean, standard deviation, update."""
     goals = sorted({key.goal for key in contents.entries})
-    if goal not in goals:
-        raise StoreError(unknown("goal", goal, goals))
+    must_know("goal", goal, goals)
     columns = {"configuration": False, "score": True, "context": False, "updates": True, "mean": True, "std": True}
     table = _table("option", **columns, **{"last update": False, "source": False})
     rated = {name: expert for (of, name), expert in contents.expert.items() if of == goal}

@@ -26,7 +26,7 @@ OUTER = RobotNetwork(network([A, B, C], [Behaviour("hold", (needs(A),)), Behavio
 @pytest.mark.parametrize(
     ("holder", "inner", "message"),
     [
-        ("holds", INNERMOST, r"network in behaviour 'holds': no such behaviour \(known: hold, free\)"),
+        ("holds", INNERMOST, r"network in behaviour 'holds': unknown behaviour 'holds' \(known: hold, free;"),
         ("hold", RobotNetwork(network([Sensor("d", "fact")], ())), "in behaviour 'hold': unknown sensor 'd'"),
         (
             "hold",
