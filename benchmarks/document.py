@@ -91,16 +91,17 @@ def draw_parts(results: Any) -> None:
 
     parts = {size: figures for size, figures in results["parts [us]"].items() if " x " in size}
     names = sorted(parts, key=_order)
-    figure, axes = plt.subplots(figsize=(7.0, 3.4), layout="constrained")
+    shown = [name.replace(" x ", " x\n") for name in names]
+    figure, axes = plt.subplots(figsize=(5.0, 3.4), layout="constrained")
     below = [0.0] * len(names)
     for part, colour in zip(PARTS, COLOURS, strict=True):
         heights = [parts[name][part] / _order(name)[0] for name in names]
-        axes.bar(names, heights, bottom=below, color=colour, label=part)
+        axes.bar(shown, heights, bottom=below, color=colour, label=part)
         below = [low + height for low, height in zip(below, heights, strict=True)]
     floors = [results["tick"]["floor [us]"][name] / _order(name)[0] for name in names]
-    axes.plot(names, floors, "k_", markersize=28, label="pymunk alone")
+    axes.plot(shown, floors, "k_", markersize=18, label="pymunk alone")
     axes.set(ylabel="a tick, per robot [us]", xlabel="worlds x robots")
-    axes.legend(fontsize=8)
+    axes.legend(fontsize=8, markerscale=0.7)
     figure.savefig(PICTURES / "benchmark_parts.png", dpi=150)
 
 
@@ -109,9 +110,9 @@ def draw_growth(results: Any) -> None:
     import matplotlib.pyplot as plt
 
     figure, axes = plt.subplots(figsize=(5.0, 3.4), layout="constrained")
-    for what, mark in (("tick [us]", "o-"), ("floor [us]", "s--")):
+    for what, name, mark in (("tick [us]", "tick", "o-"), ("floor [us]", "pymunk alone", "s--")):
         costs = {_order(size)[0]: cost for size, cost in results["tick"][what].items() if size.startswith("1 x ")}
-        axes.loglog(sorted(costs), [costs[robots] for robots in sorted(costs)], mark, label=what.removesuffix(" [us]"))
+        axes.loglog(sorted(costs), [costs[robots] for robots in sorted(costs)], mark, label=name)
     axes.set(xlabel="robots in one world, constant density", ylabel="CPU time of a tick [us]")
     axes.legend()
     axes.grid(alpha=0.3)

@@ -37,10 +37,10 @@ DOCS = Path(__file__).parents[1]
 FAMILY, GOAL = "crowded-exploring", "ExplorationPatrol"
 CONDITIONS = ("fixed:Patrol", "policy:exploring-ppo")
 MOMENT = "#t=64&robot=7&run=1"
-SIZE = (1500, 900)
+SIZE = (1100, 800)
 FAST, PLAYED = 10.0, 10.4
 """Speed of the mission that is played, and the moment of its picture [s]."""
-REPORT = (1366, 1000)
+REPORT = (1000, 1000)
 """Width and height of the picture of a report [pixels]."""
 SCENARIOS = 6
 SIDE = 400

@@ -14,22 +14,22 @@ from docs.figures.stored import record
 DOCS = Path(__file__).parents[1]
 PICTURE = DOCS / "pictures" / "robustness.png"
 SHOWN = ("none", "messages lost 0.5", "delay 1 s", "robots failing 2 of 5", "noise of poses 0.05 m")
-"""Rows of the table; the picture has all."""
+"""Columns of the table; the picture has all."""
 
 
 def table(disturbances: dict[str, Any]) -> str:
-    """Return rows of `SHOWN` as Markdown: duration with its interval, share completed if not all, collisions."""
-    labels = list(next(iter(disturbances.values())))
-    lines = [f"| | {' | '.join(labels)} |", "|---" * (len(labels) + 1) + "|"]
-    for name in SHOWN:
+    """Return columns of `SHOWN` as Markdown: duration with its interval, share completed if not all, collisions."""
+    lines = [f"| | {' | '.join(SHOWN)} |", "|---" * (len(SHOWN) + 1) + "|"]
+    for label in next(iter(disturbances.values())):
         cells = []
-        for figures in disturbances[name].values():
+        for name in SHOWN:
+            figures = disturbances[name][label]
             duration, completed = figures["duration_s"], figures["completed"]["value"]
             low, high = duration["ci95"]
             share = "" if completed == 1.0 else f", {completed:.0%} done"
             events = f"{figures['collision_events']['value']:.0f} ev."
             cells.append(f"{duration['value']:.0f} [{low:.0f}, {high:.0f}]{share}, {events}")
-        lines.append(f"| {name} | {' | '.join(cells)} |")
+        lines.append(f"| `{label}` | {' | '.join(cells)} |")
     return "\n".join(lines)
 
 

@@ -29,7 +29,7 @@ ATTRACTIVE, REPULSIVE, INK, PALE = "#009E73", "#D55E00", "#1b2a41", "#8d99ae"
 COLOURS = {1: ATTRACTIVE, -1: REPULSIVE}
 AMONG_ROBOTS = ("RepulsionFernandez", "RepulsionGradient", "Flocking", "FlockingReynolds")
 
-SCENE = (Gradient("here", (0.0, 0.0), attraction=1, diffusion=2.0, goal_radius=0.5),)
+ONLY_REPELLED = ("CollisionAvoidance",)  # an attractive gradient does nothing to these
 
 
 def field(name: str, gradients: tuple[Gradient, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -58,17 +58,18 @@ def field(name: str, gradients: tuple[Gradient, ...]) -> tuple[np.ndarray, np.nd
 def draw_fields() -> Figure:
     """Return one panel per movement mechanism."""
     names = [cls.__name__ for cls in MECHANISMS if issubclass(cls, MovementMechanism) and cls is not WeightedSum]
-    columns = 5
+    columns = 4
     lines = -(-len(names) // columns)
     figure, axes = plt.subplots(lines, columns, figsize=(2.9 * columns, 3.05 * lines), layout="constrained")
     for axis, name in zip(axes.flat, names, strict=False):
-        draw_field(axis, name, SCENE)
+        attraction = -1 if name in ONLY_REPELLED else 1
+        draw_field(axis, name, (Gradient("here", (0.0, 0.0), attraction=attraction, diffusion=2.0, goal_radius=0.5),))
     for axis in axes.flat[len(names) :]:
         axis.axis("off")
     figure.suptitle(
         "Where each mechanism takes a robot around one gradient\n"
         "green attracts, orange repels; filled: goal area, dashed: reach; arrows scaled per panel, darker = longer",
-        fontsize=11, color=INK,
+        fontsize=13, color=INK,
     )  # fmt: skip
     return figure
 
@@ -89,7 +90,7 @@ def draw_field(axis: Axes, name: str, gradients: tuple[Gradient, ...]) -> None:
     still = active & (lengths == 0)
     axis.plot(*places[still].T, ".", ms=1.5, color=PALE)
     among = " (among robots)" if name in AMONG_ROBOTS else ""
-    axis.set_title(name + among, fontsize=8, color=INK)
+    axis.set_title(name + among, fontsize=10, color=INK)
     axis.set(xlim=(-SIZE - 0.2, SIZE + 0.2), ylim=(-SIZE - 0.2, SIZE + 0.2), aspect="equal", xticks=[], yticks=[])
     for spine in axis.spines.values():
         spine.set_color("#d9dee6")

@@ -88,7 +88,7 @@ def draw_robustness(report: RobustnessReport) -> Figure:
     """Return a column for each kind of disturbance, and a row for each figure."""
     every = report.robustness.disturbances
     kinds = {kind: [one for one in every if one.kind == kind] for kind in dict.fromkeys(one.kind for one in every)}
-    size = (1.5 + 2.8 * len(kinds), 8.0)
+    size = (0.9 + 1.9 * len(kinds), 7.0)
     with panels(len(ROBUSTNESS_FIGURES), len(kinds), size, shared=True) as (figure, axes):
         for row, name in enumerate(ROBUSTNESS_FIGURES):
             for column, levels in enumerate(kinds.values()):

@@ -47,9 +47,9 @@ def draw_machine(machine: StateMachine) -> Figure:
             ways[way.to].append(f"{number}: {way_text(way)}")
         for to, texts in ways.items():
             if to == name:
-                _write(
-                    axes, places[name] - np.array([0.0, STATE_RADIUS + 0.25]), "\n".join([*texts, "stays"]), "normal"
-                )
+                x, y = places[name]  # the text stands away from the arrows, which lie inside the circle of states
+                beside = np.array([1.2 * x, y + np.copysign(STATE_RADIUS + 0.25, y - 1.0)])
+                _write(axes, beside, "\n".join([*texts, "stays"]), "normal")
             else:
                 _draw_way(axes, circles[name], circles[to], "\n".join(texts))
     return figure
