@@ -26,8 +26,11 @@ class Ear:
       single broadcast, however wrong, can silence a robot for longer.
     - Robots that are not of the team, and the own name, do not count.
 
+    Where within SILENCE more robots were early than counted, it is the own clock that is wrong.
+
     Attributes:
         refused: how many broadcasts, or parts of them, did not count, by the reason.
+        wrong_until: time up to which the own clock seems wrong [s].
 
     >>> ear = Ear(("robot_0", "robot_1"), "robot_0")
     >>> [ear.refuses(Broadcast("robot_1", sequence=n, stamp=0.2 * n), now=0.4) for n in (0, 2, 1, 2)]
@@ -38,11 +41,19 @@ class Ear:
     def __init__(self, robots: Sequence[str], own: str) -> None:
         self._newest = {name: (-OLDEST, -1) for name in robots if name != own}  # stamp [s] and number
         self._counted_at = dict.fromkeys(self._newest, -SILENCE)  # when the last one of each counted [s]
+        self._early_at = dict(self._counted_at)  # when the last one of each was early [s]
         self.refused: Counter[str] = Counter()
+        self.wrong_until = -SILENCE
 
     def refuses(self, said: Broadcast, now: float) -> str:
         """Return why a broadcast does not count at `now` [s], and count it in `refused`; empty if it counts."""
         why = self._reason(said, now)
+        if why == "early":
+            self._early_at[said.robot] = now
+            early, counted = (
+                sum(now - at < SILENCE for at in times.values()) for times in (self._early_at, self._counted_at)
+            )
+            self.wrong_until = now + SILENCE if early > counted else self.wrong_until
         if why:
             self.refused[why] += 1
         else:

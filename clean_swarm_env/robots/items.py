@@ -9,23 +9,26 @@ import numpy as np
 from clean_swarm_env.robots.sensed import HANDLING, Sensed
 from clean_swarm_env.tasks.cleaning.garbage import ABSENT, CARRIED, DONE, LYING, NOTHING
 from clean_swarm_env.tasks.cleaning.task import Cleaning
-from selector.documents.errors import DocumentError
+from selector.documents.plain import must_fit
 from selforg.network import state as st
 
 
 def check_cargo(task: object) -> None:
     """Raise DocumentError for robots that need to know more of items than sensors and messages tell."""
-    if isinstance(task, Cleaning) and (task.cargo_memory.tells or task.cargo_memory.handed is not None):
-        raise DocumentError("robot: expected options that do not ask for its cargo (Transport), got some that do")
-    if isinstance(task, Cleaning) and task.site.packed.record.finders:
-        raise DocumentError("robot: expected robots that carry items, got some that only find them for others")
+    if isinstance(task, Cleaning):
+        asks = task.cargo_memory.tells or task.cargo_memory.handed is not None
+        must_fit(not asks, "robot", "options that do not ask for its cargo (Transport)", "some that do")
+        finds = bool(task.site.packed.record.finders)
+        must_fit(not finds, "robot", "robots that carry items", "some that only find them for others")
 
 
 def put_items(task: Cleaning, row: int, sensed: Sensed) -> None:
     """Let a robot believe what it has sensed of items and of its cargo; it knows nothing of other items."""
     garbage, seen, site = task.garbage, sensed.items, task.site
-    if any(not 0 <= item < garbage.stage.shape[1] for item in (*seen, *sensed.cargo)):
-        raise DocumentError(f"sensed: items: expected numbers below {garbage.stage.shape[1]}, got {[*seen]}")
+    count, room = garbage.stage.shape[1], int(site.packed.record.room[row])
+    highest = max((*seen, *sensed.cargo), default=0)
+    must_fit(highest < count, "sensed: items and cargo", f"numbers below {count}", highest)
+    must_fit(len(sensed.cargo) <= room, "sensed: cargo", f"at most {room} at a time (carries)", sensed.cargo)
     lay = {item: garbage.positions[0, item].copy() for item in np.flatnonzero(garbage.stage[0] == LYING).tolist()}
     places = {item: np.array(one[:2]) % task.world.ground.extent for item, one in seen.items()}
     had, emptied = garbage.load(row).tolist() if garbage.recycled[row] else [], not sensed.cargo

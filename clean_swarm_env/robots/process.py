@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import isfinite
+from numbers import Real
 from pathlib import Path
 from typing import Any, Final
 
@@ -31,10 +31,11 @@ from clean_swarm_env.physics.tick import start_tick
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.robots.hearing import EARLIEST
 from clean_swarm_env.robots.items import check_cargo, handled, put_items
-from clean_swarm_env.robots.sensed import POSE_BUFFER, Broadcast, Emitted, Sensed, Wheels
+from clean_swarm_env.robots.sensed import POSE_BUFFER, Broadcast, Emitted, Sensed, Wheels, is_finite, is_whole
 from clean_swarm_env.robots.talking import Talk
 from clean_swarm_env.tasks.cleaning.task import Cleaning
-from selector.documents.errors import DocumentError, within
+from selector.documents.errors import within
+from selector.documents.plain import must_fit
 from selforg.program import AFTER_MOVING, COMMANDING, COUNTING, DECIDE, LEAD, MOVE, SENSE, STARTING, Program, Step
 
 EARLY: Final = 1e-6
@@ -87,11 +88,13 @@ class RobotProcess:
         directories: Sequence[Path] = (),
         record: RecordSettings | None = None,
     ) -> None:
+        must_fit(bool(mission), "robot: mission", "a name, a path, or keys of a mission", mission)
         named, whole = decider_named(strategy, directories), mission_from(mission, tuple(directories))
         self.mission = known_alone(whole)
         self.names = tuple(f"robot_{row}" for row in range(whole.rows))
-        if not 0 <= number < whole.rows:
-            raise DocumentError(f"robot: expected a number from 0 to {whole.rows - 1}, got {number}")
+        must_fit(is_whole(number) and number < whole.rows, "robot", f"a number from 0 to {whole.rows - 1}", number)
+        must_fit(is_whole(seed), "robot: seed", "a whole number from 0 on", seed)
+        must_fit(isinstance(record, RecordSettings | None), "robot: record", "RecordSettings", record)
         self.row, self.name = number, self.names[number]
         scenario = Scenario(self.name, seed, self.mission, start or random_start(self.mission, seed, 0))
         self._batch = Batch(
@@ -108,12 +111,14 @@ class RobotProcess:
         with within(strategy):
             named.check_team(self.mission.robots.count)
             self._decider = named.build(self._decided.problem, np.zeros(whole.rows, dtype=np.int64))
-        if self._decider.is_baseline or (named.mode == "velocity" and not self._task.thinks_when_driven):
-            raise DocumentError(f"{strategy}: expected a strategy that chooses options of the robot, got another")
+        drives = named.mode == "velocity" and not self._task.thinks_when_driven
+        chooses = not self._decider.is_baseline and not drives
+        must_fit(chooses, strategy, "a strategy that chooses options of the robot", "another")
         self._cleans = isinstance(self._task, Cleaning)
         check_cargo(self.worlds.task)
-        if not (0.0 <= timeout < np.inf and link_timeout > 0.0):
-            raise DocumentError(f"robot: expected timeouts above 0 s, got {timeout} and {link_timeout}")
+        must_fit(is_finite(timeout) and timeout >= 0.0, "robot: timeout", "seconds, 0 for that of its model", timeout)
+        links = isinstance(link_timeout, Real) and link_timeout > 0.0
+        must_fit(links, "robot: link_timeout", "more than 0 s", link_timeout)
         self._talk = Talk(self.worlds, self.names, self.row, whole.delivery, self._stands)
         self.ear = self._talk.ear
         self._start(seed, timeout, link_timeout)
@@ -135,7 +140,11 @@ class RobotProcess:
 
     def sense(self, sensed: Sensed) -> None:
         """Believe what the robot senses; call it as often as there is something new."""
+        must_fit(isinstance(sensed, Sensed), f"{self.name}: sense", "Sensed", sensed)
         physics, counts, row, ground = self.worlds.physics, self.worlds.collisions, self.row, self.worlds.floor.ground
+        items = ((f"item {number}", one) for number, one in sensed.items.items())
+        for what, (x, y, *_) in (("pose", (sensed.x, sensed.y)), *items):
+            must_fit(self._talk.is_on_ground(x, y), f"sensed: {what}", self._talk.ground, (x, y))
         if self._cleans:
             put_items(self._task, row, sensed)
         physics.positions[row] = ground.space.wrap(np.array([sensed.x, sensed.y]))
@@ -166,6 +175,7 @@ class RobotProcess:
 
     def hear(self, said: Broadcast) -> bool:
         """Take what another robot says, for the next control period; return whether it counts, see `Talk`."""
+        must_fit(isinstance(said, Broadcast), f"{self.name}: hear", "a Broadcast, as `Radio.decode` returns", said)
         return self._talk.hear(said, self._now)
 
     def step(self, now: float) -> Wheels:
@@ -196,8 +206,7 @@ class RobotProcess:
 
     def _end(self, now: float) -> None:
         """End the last control period if `now` [s] is in a later one."""
-        if not isfinite(now):
-            raise DocumentError(f"{self.name}: expected a finite time since the mission began, got {now}")
+        must_fit(is_finite(now), self.name, "a finite time since the mission began", now)
         worlds, self._now = self.worlds, now
         behind = int(now / worlds.period + EARLY) - worlds.world.tick
         if behind > 0:
@@ -232,7 +241,7 @@ class RobotProcess:
 
     def _why_stopped(self, now: float) -> str:
         """Return why the wheels have to stand at `now` [s]; empty if they need not."""
-        if now < self.worlds.now - self.worlds.period:
+        if now < self.worlds.now - self.worlds.period or now < self.ear.wrong_until:
             return "clock"
         if self._sensed is None or not -EARLIEST <= now - self._sensed.stamp <= self._timeout:
             return "pose"
@@ -273,6 +282,5 @@ def known_alone(mission: MissionConfig) -> MissionConfig:
     )
     heard = DeliveryConfig(pose_memory=mission.delivery.pose_memory)
     alone = mission.model_copy(update={"robots": robots, "delivery": heard, "events": ()})
-    if alone.own_contents:
-        raise DocumentError(f"mission {mission.name}: expected walls and zones that let messages pass, got others")
+    must_fit(not alone.own_contents, f"mission {mission.name}", "walls and zones that let messages pass", "others")
     return alone

@@ -14,8 +14,7 @@ except ImportError as error:
     raise ImportError("the radio needs the extra `robots`: pip install 'clean-swarm[robots]'") from error
 
 from clean_swarm_env.robots.sensed import Broadcast, Emitted
-from selector.documents.errors import DocumentError
-from selector.documents.plain import short
+from selector.documents.plain import DocumentError, must_fit, short
 from selforg.gradients.gradient import Gradient
 
 RADIO_VERSION: Final = 1
@@ -47,14 +46,14 @@ class Radio:
         gradients = [self._message(buffer, one) for buffer, one in said.emitted]
         message = self._broadcast(RADIO_VERSION, said.robot, said.sequence, said.stamp, gradients)
         raw = bytes(self._types.serialize_cdr(message, NAMES[1]))
-        if len(raw) > MOST_BYTES:
-            raise DocumentError(f"radio: expected a broadcast of at most {MOST_BYTES} bytes, got {len(raw)}")
+        must_fit(len(raw) <= MOST_BYTES, "radio", f"a broadcast of at most {MOST_BYTES} bytes", len(raw))
         return raw
 
     def decode(self, raw: bytes) -> Broadcast:
         """Return the broadcast that bytes say; DocumentError if they are damaged, or of another version."""
-        if raw[: len(LITTLE_ENDIAN) + 1] != LITTLE_ENDIAN + bytes([RADIO_VERSION]) or len(raw) > MOST_BYTES:
-            raise DocumentError(f"radio: expected at most {MOST_BYTES} bytes of version {RADIO_VERSION}, got others")
+        must_fit(isinstance(raw, bytes) and len(raw) <= MOST_BYTES, "radio", f"at most {MOST_BYTES} bytes", raw)
+        begin = LITTLE_ENDIAN + bytes([RADIO_VERSION])
+        must_fit(raw.startswith(begin), "radio", f"{begin!r} first, version {RADIO_VERSION} in CDR", raw[: len(begin)])
         try:
             message = self._types.deserialize_cdr(raw, NAMES[1])
             emitted = tuple(Emitted(one.buffer, gradient_of(one)) for one in message.gradients)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import chain
 from math import isfinite
-from typing import NamedTuple, SupportsFloat
+from numbers import Integral, Real
+from typing import Any, Final, NamedTuple
 
-from selector.documents.errors import DocumentError
-from selector.documents.plain import short
+from selector.documents.plain import must_fit
 from selforg.gradients.gradient import Gradient
 
 HANDLING = ("PickGarbage", "Recycle", "Dump")
@@ -25,6 +24,48 @@ class SeenItem(NamedTuple):
     """[m]."""
     recycled: bool = False
     """Whether it has been at a recycling station already."""
+
+
+def is_finite(given: object) -> bool:
+    """Return whether something is a finite number."""
+    return isinstance(given, Real) and isfinite(given)
+
+
+def is_whole(given: object) -> bool:
+    """Return whether something is a whole number from 0 on."""
+    return isinstance(given, Integral) and int(given) >= 0
+
+
+def are_all(given: object, fits: Callable[[Any], bool]) -> bool:
+    """Return whether something is a tuple, list or other collection of what `fits`."""
+    return isinstance(given, Collection) and all(fits(one) for one in given)
+
+
+def is_place(given: Any) -> bool:  # noqa: ANN401  (what a caller gives)
+    """Return whether something is two finite numbers."""
+    return are_all(given, is_finite) and len(given) == 2
+
+
+def are_items(given: object) -> bool:
+    """Return whether something is items by their numbers."""
+    return (
+        isinstance(given, Mapping)
+        and are_all(given, is_whole)
+        and all(isinstance(one, SeenItem) and are_all(one[:2], is_finite) for one in given.values())
+    )
+
+
+WIDEST: Final = 7.0
+"""Largest heading [rad]: a turn, and room for its errors; beyond it is counted in degrees, or never wrapped."""
+POSSIBLE: Final[Sequence[tuple[str, str, Callable[[Any], bool]]]] = (
+    *((name, "a finite number", is_finite) for name in ("stamp", "x", "y")),
+    ("heading", f"radians, from -{WIDEST:g} to {WIDEST:g}", lambda given: is_finite(given) and abs(given) <= WIDEST),
+    ("collisions", "a whole number from 0 on", is_whole),
+    ("near", "places (x, y)", lambda given: are_all(given, is_place)),
+    ("items", "SeenItem by numbers from 0 on", are_items),
+    ("cargo", "numbers of items from 0 on", lambda given: are_all(given, is_whole)),
+)
+"""Each field of `Sensed`, what is expected of it, and whether a value is that."""
 
 
 @dataclass(frozen=True)
@@ -54,16 +95,12 @@ class Sensed:
     """Whether its cargo has been recycled."""
 
     def __post_init__(self) -> None:
-        """Check shapes, and that numbers are finite: sensors break."""
-        if not all(len(place) == 2 for place in self.near):
-            raise DocumentError(f"sensed: near: expected pairs, got {short(self)}")
-        if not all(isinstance(one, SeenItem) for one in self.items.values()):
-            raise DocumentError(f"sensed: items: expected SeenItem by number, got {short(self)}")
-        if not all(isinstance(item, int) for item in (*self.items, *self.cargo)):
-            raise DocumentError(f"sensed: cargo: expected numbers of items, got {short(self)}")
-        numbers = self.stamp, self.x, self.y, self.heading, *chain(*self.near, *self.items.values())
-        if not all(isinstance(number, SupportsFloat) and isfinite(number) for number in numbers):
-            raise DocumentError(f"sensed: expected finite numbers, got {short(numbers)}")
+        """Check each field, and that they fit together: sensors break."""
+        for name, expected, is_possible in POSSIBLE:
+            must_fit(is_possible(getattr(self, name)), f"sensed: {name}", expected, getattr(self, name))
+        both = {*self.items}.intersection(self.cargo)
+        must_fit(not both, "sensed: cargo", "items that do not lie", self.cargo)
+        must_fit(len(self.cargo) > 0 or not self.recycled, "sensed: recycled", "False without cargo", self.recycled)
 
 
 class Wheels(NamedTuple):

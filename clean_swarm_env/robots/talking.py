@@ -41,6 +41,7 @@ class Talk:
     Attributes:
         ear: counts the broadcasts that were refused.
         others: rows of the other robots.
+        ground: words for the ground.
         link: when the newest broadcast was said that counts [s].
         decided_at: when the robot decided last [s].
 
@@ -54,6 +55,9 @@ class Talk:
         self.ear, self.link, self.decided_at = Ear(names, names[row]), 0.0, 0.0
         self._sequence, self._left = -1, list[Emitted]()
         self._waiting = list[tuple[float, int, Emitted]]()  # stamp [s], row, and what was said
+        self._width, self._height = map(float, worlds.floor.ground.land)
+        self.ground = f"a place on the ground, {self._width:g} x {self._height:g}"
+        self._beyond = float(worlds.mission.of_each("radius").max())
         self.others = np.delete(np.arange(worlds.rows), row)
         self._heard_at = np.full((worlds.rows, 2), -np.inf)  # when the last two poses of each were heard [s]
         self._buffers = {name: one for name, one in worlds.minds.buffers.items() if one.shared}
@@ -69,9 +73,9 @@ class Talk:
     def hear(self, said: Broadcast, now: float) -> bool:
         """Take what another robot says, for the next control period; return whether it counts, see `Ear`.
 
-        What says an impossible number does not count, nor what comes while too much waits.
+        What says an impossible number or a pose beside the ground does not count, nor what comes while too much waits.
         """
-        if len(self._waiting) > MOST_WAITING or not all(is_possible(one.gradient, said.stamp) for one in said.emitted):
+        if len(self._waiting) > MOST_WAITING or not all(self._is_possible(one, said.stamp) for one in said.emitted):
             self.ear.refused["impossible"] += 1
             return False
         if self.ear.refuses(said, now):
@@ -79,6 +83,11 @@ class Talk:
         row, self.link = self._names.index(said.robot), max(self.link, min(said.stamp, now))
         self._waiting += [(one.gradient.stamp, row, one) for one in said.emitted[:MOST_WAITING]]
         return True
+
+    def is_on_ground(self, x: float, y: float) -> bool:
+        """Return whether a place [m] is on the ground, or beyond its edge by at most the largest radius of robots."""
+        least = -self._beyond
+        return least <= x <= self._width - least and least <= y <= self._height - least
 
     def listen(self, poses: bool) -> None:
         """Put what has arrived into buffers, and `poses` too, in the order in which it was said."""
@@ -106,15 +115,26 @@ class Talk:
                 self._waiting.append((now, self._row, emitted))
                 self._left = [*self._left[-MOST_TOLD:], emitted]
 
+    def _is_possible(self, emitted: Emitted, latest: float) -> bool:
+        """Return whether all fields of what was said are possible, and it is of `latest` [s] or before."""
+        try:
+            check_gradient(emitted.gradient, 2)
+        except ValueError:
+            return False
+        beside = emitted.buffer == POSE_BUFFER and not self.is_on_ground(*emitted.gradient.position)
+        return emitted.gradient.stamp <= latest and not beside
+
     def _put(self, row: int, name: str, gradient: Gradient) -> None:
         """Put a gradient that a robot spread into the poses, or a buffer that knows its channel and has room.
 
-        A pose that is as old as those that are forgotten does not count.
+        A pose that is as old as those that are forgotten, or older than the one that is known, does not count.
         """
         if name == POSE_BUFFER:
             recent = self._worlds.now - gradient.stamp <= self._remembered
             if recent and self._worlds.minds.poses.set_gradient(row, gradient):
                 self._heard_at[row] = self._worlds.now, self._heard_at[row, 0]
+            else:
+                self.ear.refused["old pose"] += 1
             return
         buffer = self._buffers.get(name)
         if buffer is None or gradient.channel not in buffer.channels or len(buffer) >= MOST_HEARD:
@@ -123,12 +143,3 @@ class Talk:
         known = {key: value for key, value in gradient.payload.items() if key in buffer.keys}
         own = replace(gradient, source=row, payload=known)
         buffer.receive(own, max(gradient.stamp, self.decided_at), row=self._row)
-
-
-def is_possible(gradient: Gradient, latest: float) -> bool:
-    """Return whether all fields of a gradient in the plane are possible, and it is of `latest` [s] or before."""
-    try:
-        check_gradient(gradient, 2)
-    except ValueError:
-        return False
-    return gradient.stamp <= latest

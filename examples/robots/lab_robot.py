@@ -5,7 +5,7 @@
 These two are points that drive as they are told; put your drivers, localisation and radio in their place.
 """
 
-from math import cos, sin
+from math import cos, sin, tau
 
 from clean_swarm_env.robots.process import RobotProcess
 from clean_swarm_env.robots.sensed import Sensed
@@ -30,7 +30,7 @@ def main() -> None:
             wheels = robot.step(now)
             pose[0] = (pose[0] + wheels.speed * cos(pose[2]) / RATE) % SIDE
             pose[1] = (pose[1] + wheels.speed * sin(pose[2]) / RATE) % SIDE
-            pose[2] += wheels.turn_rate / RATE
+            pose[2] = (pose[2] + wheels.turn_rate / RATE) % tau
             way += wheels.speed / RATE
     print(f"The robots drove {way:.1f} m within {now:.0f} s.")
 

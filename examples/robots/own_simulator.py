@@ -39,7 +39,7 @@ def main() -> None:
             if "Dump" in wheels.handles:
                 cargo[row], recycled[row], dumped = (), False, dumped + 1
             speed, turn_rate = rng.normal(1.0, 0.1, 2) * (wheels.speed, wheels.turn_rate)
-            headings[row] += STEP * turn_rate
+            headings[row] = (headings[row] + STEP * turn_rate) % (2.0 * np.pi)
             places[row] += STEP * speed * np.array([np.cos(headings[row]), np.sin(headings[row])])
             places[row] %= SIDE
         call += 1

@@ -55,6 +55,12 @@ class DocumentError(ValueError):
         super().__init__(plain(message))
 
 
+def must_fit(fits: bool, where: str, expected: str, got: object) -> None:
+    """Raise DocumentError unless what was given `fits`; `got`: the text that says it, or the value itself."""
+    if not fits:
+        raise DocumentError(f"{where}: expected {expected}, got {got if isinstance(got, str) else short(got)}")
+
+
 def must_know(what: str, name: str, known: Collection[str], where: str = "", hint: str = "") -> None:
     """Raise DocumentError for a name that is not among the `known`; it begins with `where`, and the `hint` ends it."""
     if name not in known:

@@ -61,6 +61,30 @@ def test_a_robot_that_restarted_with_an_old_clock_counts_once_nothing_newer_has_
     assert heard(("robot_1", 500, 99.0), ("robot_2", 0, 70.0)) == ["", ""]  # each robot by itself
 
 
+def test_a_clock_is_wrong_if_more_robots_are_early_than_count():
+    ear = Ear(TEAM, "robot_0")
+    assert ear.refuses(Broadcast("robot_1", 0, 33.0), 5.0) == "early"
+    assert ear.wrong_until == 5.0 + SILENCE
+    assert not ear.refuses(Broadcast("robot_2", 0, 8.0), 8.0)
+    assert ear.refuses(Broadcast("robot_1", 1, 36.0), 8.1) == "early"  # one says so, one does not
+    assert ear.wrong_until == 5.0 + SILENCE
+
+
+def test_a_robot_that_restarted_with_a_clock_of_its_own_stands_and_says_why():
+    team = [RobotProcess("table1", number) for number in range(3)]
+    for tick in range(40):
+        at = [33.0, 33.0, 0.0]
+        for robot, begun in zip(team, at, strict=True):
+            robot.sense(Sensed(stamp=begun + 0.2 * tick, x=2.0 + robot.row, y=3.0, heading=0.0))
+        said = [robot.say(begun + 0.2 * tick) for robot, begun in zip(team, at, strict=True)]
+        for robot in team:
+            for one in said:
+                robot.hear(one)
+        stopped = [robot.step(begun + 0.2 * tick).stopped for robot, begun in zip(team, at, strict=True)]
+    assert stopped == ["", "", "clock"]
+    assert team[0].worlds.minds.poses.known.tolist()[:3] == [True, True, False]
+
+
 def test_one_wrong_broadcast_silences_a_robot_for_no_longer_than_its_clock_is_ahead():
     ear = Ear(TEAM, "robot_0")
     said = [Broadcast("robot_1", 2**32 - 1, 100.0 + EARLIEST)] + [
@@ -82,6 +106,7 @@ def test_poses_count_in_their_order_and_not_after_they_would_be_forgotten(robot)
     for _ in range(6):
         robot.step(robot.worlds.now + 0.2001)
     assert hears(robot, 3, pose(7.0, 1.2), stamp=1.2) == (True, False, 6.0)  # 1.6 s old
+    assert robot.ear.refused == {"old pose": 2}  # of a broadcast of which the rest counts
 
 
 def test_a_robot_that_restarts_with_an_old_clock_is_where_it_says_once_its_clock_is_right(robot):
@@ -101,6 +126,7 @@ def test_a_robot_that_restarts_with_an_old_clock_is_where_it_says_once_its_clock
         pose(4.0, 1.5),  # newer than what says it
         pose(4.0, 1.0, diffusion=-1.0),
         pose(1e300, 1.0),
+        pose(500.0, 1.0),  # beside the ground
         Emitted("pheromones", Gradient("pheromone", (1.0, 1.0), evaporation_factor=2.0)),
         Emitted("pheromones", Gradient("pheromone", (1.0, 1.0, 1.0))),
     ],

@@ -212,11 +212,76 @@ def test_what_a_robot_cannot_do_by_itself_is_one_line(wrong, says):
         RobotProcess(**{"mission": "table1", "number": 0, **wrong})
 
 
-def test_sensors_that_are_broken_are_one_line():
-    with pytest.raises(DocumentError, match=r"^sensed: expected finite numbers, got .*nan"):
-        Sensed(stamp=0.0, x=float("nan"), y=0.0, heading=0.0)
-    with pytest.raises(DocumentError, match=r"^sensed: items: expected numbers below 10, got \[10\]$"):
-        RobotProcess("table1", 0).sense(Sensed(0.0, 1.0, 1.0, 0.0, items={10: SeenItem(1.0, 1.0)}))
+@pytest.mark.parametrize(
+    ("wrong", "says"),
+    [
+        ({"mission": {}}, r"robot: mission: expected a name, a path, or keys of a mission, got {}"),
+        ({"mission": None}, r"robot: mission: expected a name, a path, or keys of a mission, got None"),
+        ({"number": "robot_0"}, r"robot: expected a number from 0 to 4, got robot_0"),
+        ({"number": 1.0}, r"robot: expected a number from 0 to 4, got 1.0"),
+        ({"seed": -1}, r"robot: seed: expected a whole number from 0 on, got -1"),
+        ({"timeout": -1}, r"robot: timeout: expected seconds, 0 for that of its model, got -1"),
+        ({"link_timeout": 0.0}, r"robot: link_timeout: expected more than 0 s, got 0.0"),
+        ({"record": "folder"}, r"robot: record: expected RecordSettings, got folder"),
+    ],
+)
+def test_settings_that_are_impossible_are_one_line(wrong, says):
+    with pytest.raises(DocumentError, match=f"^{re.escape(says)}$"):
+        RobotProcess(**{"mission": "table1", "number": 0, **wrong})
+
+
+LIES = SeenItem(1.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "says"),
+    [
+        ({"x": float("nan")}, "sensed: x: expected a finite number, got nan"),
+        ({"stamp": None}, "sensed: stamp: expected a finite number, got None"),
+        ({"heading": 90.0}, "sensed: heading: expected radians, from -7 to 7, got 90.0"),
+        ({"x": -3.0}, "sensed: pose: expected a place on the ground, 11 x 11, got (-3.0, 3.0)"),
+        ({"y": 1e6}, "sensed: pose: expected a place on the ground, 11 x 11, got (2.0, 1000000.0)"),
+        ({"collisions": -1}, "sensed: collisions: expected a whole number from 0 on, got -1"),
+        ({"near": (2.5, 3.0)}, "sensed: near: expected places (x, y), got (2.5, 3.0)"),
+        ({"items": [LIES]}, f"sensed: items: expected SeenItem by numbers from 0 on, got [{LIES}]"),
+        ({"items": {"a": LIES}}, f"sensed: items: expected SeenItem by numbers from 0 on, got {{'a': {LIES}}}"),
+        ({"items": {10: LIES}}, "sensed: items and cargo: expected numbers below 10, got 10"),
+        (
+            {"items": {1: SeenItem(50.0, 1.0)}},
+            "sensed: item 1: expected a place on the ground, 11 x 11, got (50.0, 1.0)",
+        ),
+        ({"cargo": 1}, "sensed: cargo: expected numbers of items from 0 on, got 1"),
+        ({"cargo": (77,)}, "sensed: items and cargo: expected numbers below 10, got 77"),
+        ({"cargo": (1, 2)}, "sensed: cargo: expected at most 1 at a time (carries), got (1, 2)"),
+        ({"cargo": (1,), "items": {1: LIES}}, "sensed: cargo: expected items that do not lie, got (1,)"),
+        ({"recycled": True}, "sensed: recycled: expected False without cargo, got True"),
+    ],
+)
+def test_sensors_that_are_broken_are_one_line(wrong, says):
+    robot = RobotProcess("table1", 0)
+    with pytest.raises(DocumentError, match=f"^{re.escape(says)}$"):
+        robot.sense(Sensed(**{"stamp": 0.0, "x": 2.0, "y": 3.0, "heading": 0.5, **wrong}))
+    robot.sense(HERE)  # it goes on with the next one
+    assert robot.step(0.0).stopped == ""
+
+
+@pytest.mark.parametrize(
+    ("call", "given", "says"),
+    [
+        ("sense", {}, "robot_0: sense: expected Sensed, got {}"),
+        ("hear", b"abc", "robot_0: hear: expected a Broadcast, as `Radio.decode` returns, got b'abc'"),
+        ("step", None, "robot_0: expected a finite time since the mission began, got None"),
+    ],
+)
+def test_what_is_no_message_is_one_line(call, given, says):
+    with pytest.raises(DocumentError, match=f"^{re.escape(says)}$"):
+        getattr(RobotProcess("table1", 0), call)(given)
+
+
+def test_a_pose_may_lie_beside_the_ground_by_its_error():
+    robot = RobotProcess("table1", 0)
+    robot.sense(Sensed(stamp=0.0, x=-0.02, y=11.03, heading=6.29))
+    np.testing.assert_allclose(robot.worlds.physics.positions[0], [10.98, 0.03])
 
 
 @pytest.mark.parametrize(

@@ -69,10 +69,11 @@ def test_a_mission_over_bytes_has_the_course_of_one_process():
 @pytest.mark.parametrize(
     ("raw", "says"),
     [
-        (b"", "of version 1, got others"),
-        (b"\0\1\0\0\2" + b"\0" * 80, "of version 1, got others"),
-        (b"\0\0\0\0\1" + b"\0" * 80, "of version 1, got others"),
+        (b"", r"first, version 1 in CDR, got b''"),
+        (b"\0\1\0\0\2" + b"\0" * 80, r"first, version 1 in CDR, got b'\\x00\\x01\\x00\\x00\\x02'"),
+        (b"\0\0\0\0\1" + b"\0" * 80, r"first, version 1 in CDR, got b'\\x00\\x00\\x00\\x00\\x01'"),
         (b"\0\1\0\0\1" + b"\0" * 70_000, "at most 65000 bytes"),
+        ({}, "at most 65000 bytes, got {}"),
         (b"\0\1\0\0\1\0\0\0", "damaged bytes"),
     ],
 )
