@@ -57,6 +57,8 @@ class RecordSettings:
     policies: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     """The trained networks that may choose, by name, as plain data; with minds their inputs are recorded, too."""
 
+    kept: bool = False
+    """Whether a file that is there already is kept: the new one gets a number behind its name."""
     put: bool = False
     """Whether things may be put elsewhere by hand, so that the places of all of them are recorded."""
 
@@ -161,7 +163,7 @@ class MissionRecorder:
         self._limits[world], self._begun = tick_limit(mission), True
         self._joined = worlds.team.joined.copy()
         self._messages.clear()
-        self._note_poses()
+        self.note_poses()
         return path
 
     def think(self, goal: str, values: Floats) -> None:
@@ -179,7 +181,7 @@ class MissionRecorder:
     def note_by_hand(self, change: Mapping[str, Any]) -> None:
         """Note a change by hand, plain data, before the next tick of the only world."""
         self._by_hand.append(dict(change))
-        self._note_poses()
+        self.note_poses()
 
     def record(self) -> None:
         """Record the tick that the worlds have just run."""
@@ -191,7 +193,7 @@ class MissionRecorder:
         self.frames.record(None if self._begun else [coordinator.used for coordinator in worlds.coordinators])
         self._begun = False
         self._messages.clear()
-        self._note_poses()
+        self.note_poses()
         over = worlds.done | (worlds.ticks >= self._limits)
         for world in [world for world in self._running if over[world]]:
             self._end(world, result_of(worlds, world).as_mapping())
@@ -235,7 +237,7 @@ class MissionRecorder:
         axes = {"robot": worlds.robots, "option": len(model.options)}
         return Sampled(channel_of(f"opinion/{goal}", axes, about, MILLI), self._opinions[goal])
 
-    def _note_poses(self) -> None:
+    def note_poses(self) -> None:
         """Keep the poses at the end of a tick, and the places of things that move: those of the next frame."""
         copy_poses(self.worlds.physics.positions, self.worlds.physics.headings, self._poses)
         if self._moving:
@@ -254,9 +256,11 @@ class MissionRecorder:
     def _path(self, about: Mapping[str, Any]) -> Path:
         words = (str(about[name]) for name in ("scenario", "condition") if about.get(name))
         stem = self.settings.name.removesuffix(SUFFIX) or re.sub(r"[^\w.#+=-]+", "_", "-".join(words))
-        name = next(one for one in chain([stem], (f"{stem}-{k}" for k in count(2))) if one not in self._names)
+        names, folder = chain([stem], (f"{stem}-{k}" for k in count(2))), Path(self.settings.directory)
+        found = {one.stem for one in folder.glob(f"*{SUFFIX}")} if self.settings.kept else set()
+        name = next(one for one in names if one not in self._names | found)
         self._names.add(name)
-        return self.settings.directory / f"{name}{SUFFIX}"
+        return folder / f"{name}{SUFFIX}"
 
     def _end(self, world: int, result: Mapping[str, Any] | None = None) -> None:
         if world in self._running:

@@ -40,6 +40,7 @@ def put_items(task: Cleaning, row: int, sensed: Sensed) -> None:
         garbage.leftover[0, item] = seen[item].recycled
     dumped = [item for item in had if emptied and item not in seen]
     garbage.stage[0, dumped] = DONE
+    garbage.done[0] += len(dumped)
     garbage.stage[0, list(sensed.cargo)] = CARRIED
     garbage.cargo[row], garbage.recycled[row] = (*sensed.cargo, NOTHING)[0], sensed.recycled
     for top, below in pairwise((*sensed.cargo, NOTHING)):

@@ -59,8 +59,8 @@ class RobotProcess:
         timeout: age of the pose at which the wheels stop [s]; that of the robot's model unless given.
         link_timeout: time without any broadcast of another robot after which they stop [s].
         directories: the user's own configurations.
-        record: where what it knows is recorded, a mission with one robot that works; nowhere unless given. Call `close`
-            in the end.
+        record: where what it knows is recorded, a mission with one robot that works; nowhere unless given. Its file
+            gets a number behind its name where there is one already. Call `close` in the end.
 
     Attributes:
         mission, name, names: the mission, `robot_N`, and those of the whole team.
@@ -103,7 +103,7 @@ class RobotProcess:
             observation=named.observation(usual_terms(self.mission)),
             action=ActionConfig(mode=named.mode),
             directories=directories,
-            record=record,
+            record=record and replace(record, kept=True),
         )
         self.worlds = self._batch.worlds
         self._task: Any = self.worlds.task
@@ -153,6 +153,8 @@ class RobotProcess:
         near = np.reshape(sensed.near[: len(self._talk.others)], (-1, 2))
         physics.present[self._talk.others] = np.arange(len(self._talk.others)) < len(near)
         physics.positions[self._talk.others[: len(near)]] = ground.space.wrap(near)
+        if self._sensed is None and self._batch.recorder is not None:
+            self._batch.recorder.note_poses()
         self._sensed = sensed
 
     def tell(self, now: float) -> Broadcast:
@@ -211,9 +213,17 @@ class RobotProcess:
         behind = int(now / worlds.period + EARLY) - worlds.world.tick
         if behind > 0:
             ended = worlds.now
+            self._record_missed(behind - 1)
             worlds.clock.packed.record.ticks[0] += behind - 1
             self._ending.run(ended)
             worlds.collisions.entered_in_tick[:] = 0
+
+    def _record_missed(self, missed: int) -> None:
+        """Let the recording, if there is one, keep the time: a frame for each control period that was missed."""
+        left = int(self.worlds.world.limits[0]) - self.worlds.world.tick - 1  # of the mission
+        if self._batch.recorder is not None:
+            for _ in range(min(missed, left)):
+                self._batch.recorder.record()
 
     def _turn(self, now: float) -> None:
         """End the last control period, choose options by what was heard since, and spread the own pose at `now` [s]."""

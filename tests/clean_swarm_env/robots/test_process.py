@@ -13,6 +13,7 @@ from clean_swarm_env.recording.reader import RecordedMission
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.robots.process import RobotProcess
 from clean_swarm_env.robots.sensed import Broadcast, SeenItem, Sensed
+from clean_swarm_env.tasks.cleaning.garbage import DONE
 from examples.robots.bodies import ServedBodies, tick_together
 from selector.documents.errors import DocumentError
 from tests.clean_swarm_env.robots.lock_step import Both, poses_of, same_course
@@ -83,6 +84,41 @@ def test_a_mission_of_processes_is_recorded_with_what_they_hold(tmp_path):
         held = run["held/AvoidCollision"][-1, 0]
         assert run.head["options"]["AvoidCollision"][held] == "RepulsionGradient-view1.5"
         np.testing.assert_allclose(run["x"][1:, 0], np.array(both.course)[: frames - 1, 0, 0], atol=2e-3)
+
+
+def cleaning(robot, *loads):
+    """Let a robot sense and decide, once a control period, with what it has loaded and whether that is recycled."""
+    for tick, (cargo, recycled) in enumerate(loads):
+        items = {} if cargo or recycled is None else {0: SeenItem(2.05, 3.0)}
+        robot.sense(Sensed(0.2 * tick, 2.0, 3.0, 0.0, items=items, cargo=cargo, recycled=bool(recycled)))
+        robot.step(0.2 * tick)
+    robot.step(0.2 * len(loads))
+    robot.close()
+
+
+def test_the_recording_of_a_robot_begins_where_it_is_and_counts_what_it_dumps(tmp_path):
+    robot = RobotProcess("table1", 1, record=RecordSettings(tmp_path))
+    cleaning(robot, ((), False), ((0,), False), ((0,), True), ((), None), ((), None))
+    run = RecordedMission(tmp_path / "robot_1.swarm")
+    np.testing.assert_allclose([run[name][0, 1] for name in ("x", "y", "heading")], [2.0, 3.0, 0.0])
+    assert run["dumped"][:, 0].tolist() == [0, 0, 1, 1, 1]  # sensed before the next period
+    assert run["item_stage"][-1, 0] == DONE
+
+
+def test_the_recording_of_a_robot_keeps_the_time_and_no_other_file(tmp_path):
+    for begins in (0.0, 60.0):
+        robot = RobotProcess("table1", 0, record=RecordSettings(tmp_path))
+        for now in (begins, begins + 0.2, begins + 1.0, begins + 1.2):
+            robot.sense(Sensed(stamp=now, x=2.0 + now / 100.0, y=3.0, heading=0.0))
+            robot.step(now)
+        robot.close()
+    first, second = (RecordedMission(tmp_path / f"{name}.swarm") for name in ("robot_0", "robot_0-2"))
+    assert (first.frames, second.frames) == (6, 306)
+    np.testing.assert_allclose(second["x"][[0, 300, -1], 0], [2.6, 2.6, 2.61], atol=2e-3)
+    robot = RobotProcess("table1", 0, record=RecordSettings(tmp_path))
+    robot.step(1.7e9)  # a clock that is wrong ends the recording with the mission
+    robot.close()
+    assert RecordedMission(tmp_path / "robot_0-3.swarm").frames == 15_000
 
 
 def test_a_robot_without_a_pose_stands_and_one_with_a_pose_drives():

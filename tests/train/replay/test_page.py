@@ -7,7 +7,10 @@ import pytest
 
 from clean_swarm_env.config.load import load_mission, with_changes
 from clean_swarm_env.config.mission import MissionConfig
-from clean_swarm_env.recording.reader import events_of
+from clean_swarm_env.recording.reader import RecordedMission, events_of
+from clean_swarm_env.recording.recorder import RecordSettings
+from clean_swarm_env.robots.process import RobotProcess
+from clean_swarm_env.robots.sensed import SeenItem, Sensed
 from tests.clean_swarm_env.courses import run_recorded
 from tests.clean_swarm_env.recording.shepherding import with_shepherding
 from tests.train.live.pages import picture, shows, until
@@ -64,6 +67,24 @@ def test_a_link_opens_a_moment_and_the_address_follows(opened, recordings):
     assert page.text_content("[data-channel=x]") == f"{recordings[1]['x'][42, 3]:.3f}"
     page.keyboard.press("ArrowRight")
     assert page.evaluate("location.hash") == "#t=8.6&robot=3&run=1"
+
+
+@pytest.mark.long
+def test_the_page_of_a_robot_by_itself_opens_on_this_robot(opened, tmp_path):
+    robot = RobotProcess("table1", 2, record=RecordSettings(tmp_path))
+    lies = {"items": {0: SeenItem(2.0, 3.0)}}
+    loads = [lies, lies, {"cargo": (0,)}, {"cargo": (0,), "recycled": True}, {}]
+    for tick, held in enumerate(loads):
+        robot.sense(Sensed(stamp=0.2 * tick, x=2.0, y=3.0, heading=0.0, **held))
+        robot.step(0.2 * tick)
+    robot.step(1.0)
+    robot.close()
+    write_page([RecordedMission(tmp_path / "robot_2.swarm")], tmp_path / "robot.html")
+    page = opened("", tmp_path / "robot.html")
+    assert page.text_content("#panel h2") == "Robot 2"
+    assert "It is not there" not in page.text_content("#panel")
+    kinds = page.evaluate("replay.events()[0].map(e => e.kind).filter(kind => kind !== 'switch')")
+    assert kinds == ["found", "recycled", "dumped"]
 
 
 @pytest.mark.long

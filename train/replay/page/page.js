@@ -225,7 +225,9 @@ export class Page {
     const given = new URLSearchParams(location.hash.slice(1));
     const robots = this.shown[0].run.head.robots;
     this.time = Math.max(0, Math.min(this.end, Number(given.get("t")) || 0));
-    this.robot = Math.max(0, Math.min(robots - 1, Math.floor(Number(given.get("robot")) || 0)));
+    const { run } = this.shown[0], works = Array.from({ length: robots }, (_, robot) => valueAt(run, "working", 0, robot) > 0);
+    const wanted = given.has("robot") ? Math.floor(Number(given.get("robot")) || 0) : works.indexOf(true);
+    this.robot = Math.max(0, Math.min(robots - 1, wanted));
     this.chosen = Math.max(0, Math.min(this.shown.length - 1, Math.floor(Number(given.get("run")) || 0)));
   }
 
