@@ -86,7 +86,11 @@ class Sensed:
     collisions: int = 0
     """Collisions since the last call, as a bumper notices them."""
     near: tuple[tuple[float, float], ...] = ()
-    """Places of other bodies that it senses now [m], without knowing who they are."""
+    """Places of other bodies that it senses now [m], without knowing who they are.
+
+    As in a mission two things read them: the rays of the sensor `Lidar` and of the term `lidar`, and a robot that backs
+    off from what it has bumped into (`consequences.back_off`). Mechanisms avoid the robots that it hears, not these.
+    """
     items: Mapping[int, SeenItem] = field(default_factory=dict)
     """Items that lie, by numbers that stay with them, from 0 on."""
     cargo: tuple[int, ...] = ()

@@ -16,6 +16,7 @@ from clean_swarm_env.robots.sensed import Broadcast, SeenItem, Sensed
 from clean_swarm_env.tasks.cleaning.garbage import DONE
 from examples.robots.bodies import ServedBodies, tick_together
 from selector.documents.errors import DocumentError
+from selforg.components.sensors import Lidar
 from tests.clean_swarm_env.robots.lock_step import Both, poses_of, same_course
 
 SHORT = [
@@ -215,6 +216,25 @@ def test_a_pose_is_forgotten_a_second_after_it_was_heard():
         robot.step(now)
         known.append(bool(robot.worlds.minds.poses.known[1]))
     assert known == [True] * 8 + [False] * 4  # the last one is heard at 0.4 s, and is gone at 1.6 s
+
+
+@pytest.mark.parametrize(("near", "way"), [((), 0.0), (((3.5, 8.0),), -0.5), (((2.5, 8.0),), 0.5)])
+def test_a_robot_with_bumpers_backs_off_from_what_is_near(near, way):
+    robot = RobotProcess("bumpers", 0, "Random")
+    for tick in range(16):
+        robot.sense(Sensed(0.2 * tick, 3.0, 8.0, 0.0, collisions=int(tick == 2), near=near))
+        wheels = robot.step(0.2 * tick)
+    assert wheels.vector == (way, 0.0)
+
+
+def test_rays_end_at_what_is_near():
+    robot = RobotProcess("table1", 0)
+    lidar = Lidar(robot.worlds.minds.surroundings, farthest=3.0, things=0.0)
+    ways = []
+    for near in ((), ((4.0, 8.0),), ((4.0, 8.0), (3.5, 8.0)), ()):
+        robot.sense(Sensed(0.0, 3.0, 8.0, 0.0, near=near))
+        ways += lidar.read(np.array([0])).tolist()
+    np.testing.assert_allclose(ways, [3.0, 0.75, 0.25, 3.0])
 
 
 def test_a_robot_picks_what_it_is_at_and_believes_its_gripper():
