@@ -1,7 +1,7 @@
 """Own poses: every row's moving pose gradient, its own history, and who shares it with whom."""
 
-from collections.abc import Sequence
-from typing import Annotated, Final
+from collections.abc import Iterable, Sequence
+from typing import Annotated, Final, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -26,6 +26,8 @@ WALL_VIEW: Final = 2.0
 """Distance up to which it knows them [m]."""
 SAME_POINT: Final = 0.01
 """Distance up to which the nearest points of two segments are one, as where these meet [m]."""
+
+RowNumbers: TypeAlias = npt.NDArray[np.integer] | Iterable[int]
 
 
 class OwnPoses:
@@ -211,6 +213,10 @@ class OwnPoses:
         """Return the rows of a team, in their order."""
         first = self.packed.record.first
         return self.packed.record.members[first[team] : first[team + 1]]
+
+    def chosen(self, rows: RowNumbers | None) -> Ints:
+        """Return `rows` (R,), or all where None is given."""
+        return np.arange(self.rows) if rows is None else np.ascontiguousarray(rows, dtype=np.int64)
 
     @property
     def positions(self) -> Floats:

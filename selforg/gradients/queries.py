@@ -4,12 +4,11 @@ A query evaporates first, and answers with the gradients in *view*: distance <= 
 the answer is an empty range of the table, an empty list, or a mask that is False.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, NamedTuple, TypeAlias
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from selforg.arrays import SCRATCH, Flags, Floats, Ints
 from selforg.compiler.decorators import lean_kernel
@@ -25,6 +24,7 @@ from selforg.gradients.pair import (
     choose,
     own_of,
 )
+from selforg.gradients.poses import RowNumbers
 from selforg.gradients.store import columns as c
 from selforg.gradients.store.columns import PAIR_COLUMNS
 from selforg.gradients.store.gathering import gather, look_all_around
@@ -83,8 +83,6 @@ class PairRoom:
         self.packed.replace(self.packed.record._replace(pairs=self.pairs))
         return self.packed.handle
 
-
-RowNumbers: TypeAlias = npt.NDArray[np.integer] | Iterable[int]
 
 EVERYTHING, ATTRACTIVE, REPULSIVE = (True, True, True), (False, False, True), (True, False, False)
 
@@ -166,7 +164,7 @@ class Queries:
         no own pose.
         """
         buffer = self._buffer
-        chosen: Ints = np.arange(buffer.poses.rows) if rows is None else np.ascontiguousarray(rows, dtype=np.int64)
+        chosen = buffer.poses.chosen(rows)
         view = buffer.settings.view_distance if look.view_distance is None else look.view_distance
         minus, zero, plus = (view if wanted else -np.inf for wanted in signs)
         see = seen_by(look) | (0 if own else c.SKIP_OWN) | (c.SEE_HISTORY if histories else 0)

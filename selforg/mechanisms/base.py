@@ -12,7 +12,7 @@ from typing import Annotated, Any, ClassVar, Self, TypedDict, Unpack, final
 import numpy as np
 import numpy.typing as npt
 
-from selforg.arrays import READ, SCRATCH, Flags, Floats, Ints
+from selforg.arrays import SCRATCH, Flags, Floats, Ints
 from selforg.commands import Moved
 from selforg.compiler.records import Packed
 from selforg.gradients.buffer import SoBuffer
@@ -115,7 +115,6 @@ class MovementMechanism(Mechanism):
             1,
         )
     }
-    _all_rows: Annotated[Ints, "N", READ]
     _vectors: Annotated[Floats, "N D", SCRATCH]
     _active: Annotated[Flags, "N", SCRATCH]
 
@@ -129,7 +128,6 @@ class MovementMechanism(Mechanism):
             raise ValueError(
                 f"{type(self).__name__}: directions must have {rows} rows, got {len(self.directions.cursor)}"
             )
-        self._all_rows = np.arange(rows, dtype=np.int64)
         self._vectors = np.zeros((rows, dim))
         self._active = np.zeros(rows, dtype=np.bool_)
 
@@ -140,7 +138,7 @@ class MovementMechanism(Mechanism):
         Without a movement the vector is zero. A movement may be zero too: gradients in view that cancel out. Movements
         of all rows are valid until the next call.
         """
-        chosen = self._all_rows if rows is None else np.ascontiguousarray(rows, dtype=np.int64)
+        chosen = self.poses.chosen(rows)
         self.move_into(float(now), chosen, self._vectors, self._active)
         return (self._vectors, self._active) if rows is None else (self._vectors[chosen], self._active[chosen])
 

@@ -6,7 +6,6 @@ from typing import Unpack, final
 import numpy as np
 import numpy.typing as npt
 
-from selforg.arrays import Ints
 from selforg.gradients.buffer import SoBuffer
 from selforg.gradients.gradient import check_fields
 from selforg.mechanisms.base import MECHANISMS, SpeedOptions
@@ -55,8 +54,8 @@ class DepositingMechanism(FormulaMechanism):
 
         Rows without a pose leave none.
         """
-        chosen: Ints = np.arange(self.poses.rows) if rows is None else np.ascontiguousarray(rows, dtype=np.int64)
-        Program(lambda: self.spreader.depositing(Rows.of(chosen))).run(float(now))
+        chosen = Rows.of(self.poses.chosen(rows))
+        Program(lambda: self.spreader.depositing(chosen)).run(float(now))
 
 
 @MECHANISMS.register

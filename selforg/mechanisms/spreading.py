@@ -133,5 +133,5 @@ class SpreadGradient(Mechanism):
 
     def spread(self, now: float, rows: npt.NDArray[np.integer] | None = None) -> None:
         """Spread it from each of `rows` (R,) (None: all) that knows its pose, at `now` [s]."""
-        chosen: Ints = np.arange(self.poses.rows) if rows is None else np.ascontiguousarray(rows, dtype=np.int64)
-        Program(lambda: self.spreader.depositing(Rows.of(chosen))).run(float(now))
+        chosen = Rows.of(self.poses.chosen(rows))
+        Program(lambda: self.spreader.depositing(chosen)).run(float(now))

@@ -58,7 +58,6 @@ class DecisionMechanism(Mechanism):
     values: Annotated[Floats, "N", KEPT]
     state_codes: Annotated[Ints, "N", KEPT]
     _first_values: Annotated[Floats, "N", READ]
-    _all_rows: Annotated[Ints, "N", READ]
 
     def __init__(
         self,
@@ -79,12 +78,11 @@ class DecisionMechanism(Mechanism):
         self.state_codes = np.full(rows, self.states.index(state), dtype=np.int64)
         self._first_values, self._first_state = self.values.copy(), self.states.index(state)
         self._spreader = Spreader(self.buffer, carried) if carried else None
-        self._all_rows = np.arange(rows, dtype=np.int64)
 
     @final
     def decide(self, now: float, rows: npt.NDArray[np.integer] | None = None) -> Decision:
         """Return what `rows` (R,) (None: all) would decide at `now` [s]; rows without a pose see no neighbours."""
-        chosen = self._all_rows if rows is None else np.ascontiguousarray(rows, dtype=np.int64)
+        chosen = self.poses.chosen(rows)
         values, states = self.values[chosen], self.state_codes[chosen]
         decided = self.poses.known[chosen]
         self._decide(float(now), chosen, values, states, decided)
@@ -93,7 +91,7 @@ class DecisionMechanism(Mechanism):
     @final
     def spread(self, now: float, rows: npt.NDArray[np.integer] | None = None) -> Decision:
         """Decide, keep it, and spread the value in a moving gradient of each row that knows its pose."""
-        chosen = self._all_rows if rows is None else np.ascontiguousarray(rows, dtype=np.int64)
+        chosen = self.poses.chosen(rows)
         decision = self.decide(now, chosen)
         takes = decision.decided & self.poses.known[chosen]
         kept = chosen[takes]
