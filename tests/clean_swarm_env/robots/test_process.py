@@ -58,6 +58,14 @@ def test_whole_missions_of_processes_have_the_course_of_one_process(mission, str
     same_course(mission, strategy, seed)
 
 
+@pytest.mark.parametrize("name", ["lab-crazyflie", "lab-epuck2", "lab-kilobot", "lab-turtlebot4"])
+def test_missions_of_a_laboratory_do_not_jam_as_they_come(name):
+    wall = {"walls": [{"corners": [[5.5, 0.0], [5.5, 4.0]]}]}
+    small = {"base": name, "robots": {"count": 3}, "world": wall, "task": {"garbage": {"count": 6}}}
+    result = Both(small, "MaxScore", 1).result
+    assert (result.garbage_done, result.completed) == (6, True)
+
+
 def test_copies_of_bodies_and_robots_go_on_as_these_do_by_themselves():
     both = Both({"base": "table1", "time_limit": 20.0, "delivery": {"loss": 0.3, "delay": 0.4}}, "MaxScore", 2)
     first = both.bodies(), both.robots()
