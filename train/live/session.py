@@ -72,7 +72,7 @@ class Session:
         self._what_if: WhatIf | None = None
         self._seen_terms, policies = self._seen(named)
         own = any(issubclass(task_class(play.scenario.mission), kind.changes) for kind in CHANGES)
-        settings = RecordSettings(output.parent, minds, about, output.name, mode == "both", policies, own)
+        settings = RecordSettings(output.parent, minds, about, output.name, mode == "both", policies, put=own)
         self.batch = Batch(
             play.scenario.mission,
             source=lambda _: next(scenarios, None),
