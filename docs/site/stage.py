@@ -77,7 +77,7 @@ class Stage:
         page = folder.with_name(f"{folder.name}-files.md")
         files = [path for path in sorted(folder.rglob("*")) if path.is_file() and "__pycache__" not in path.parts]
         links = [
-            f"- [{path.relative_to(folder).as_posix()}]({path.relative_to(page.parent).as_posix()})" for path in files
+            f"- [`{path.relative_to(folder).as_posix()}`]({path.relative_to(page.parent).as_posix()})" for path in files
         ]
         self.write(site_path(page), ORPHAN + self.linked(f"# {name}\n\n" + "\n".join(links) + "\n", page))
         return page
