@@ -115,15 +115,20 @@ class ServedBodies:
         self._moving.run(worlds.now)
         self.record()
 
-    def show_options(self, robots: Sequence[RobotProcess]) -> None:
-        """Let the recording, if there is one, have the options that robots hold."""
+    def show_options(self, held: Sequence[Sequence[int]]) -> None:
+        """Let the recording, if there is one, have the options (N, C) that robots hold."""
         if self._recorder:
-            self.worlds.hold(np.array([[one.held[robot.row] for one in robot.worlds.coordinators] for robot in robots]))
+            self.worlds.hold(np.array(held))
 
     def record(self) -> None:
         """Record the control period that has ended, if that was asked for; a mission that is over ends its file."""
         if self._recorder:
             self._recorder.record()
+
+    def close(self) -> None:
+        """Write what is not in the recording yet."""
+        if self._recorder:
+            self._recorder.close()
 
     def _handling_steps(self) -> list[Step]:
         """Return the steps of a tick in which items are handled."""
@@ -165,7 +170,7 @@ def tick_together(bodies: ServedBodies, robots: Sequence[RobotProcess]) -> None:
     bodies.air.carry_left([robot.tell(now) for robot in robots], robots)
     bodies.air.carry_said([robot.say(now) for robot in robots], robots)
     begun = [robot.decide(now) for robot in robots]
-    bodies.show_options(robots)
+    bodies.show_options([[one.held[robot.row] for one in robot.worlds.coordinators] for robot in robots])
     for robot, sensed in zip(robots, bodies.handle(begun), strict=True):
         robot.sense(sensed)
     bodies.move([robot.act(now) for robot in robots])

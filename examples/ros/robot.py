@@ -8,7 +8,7 @@
 | /robot_N/cmd_vel | geometry_msgs/Twist or TwistStamped | out | linear.x [m/s], angular.z [rad/s] |
 | /robot_N/handles | std_msgs/String | out | what its gripper begins, as JSON |
 | /radio | std_msgs/UInt8MultiArray | both | what robots say |
-| /diagnostics | diagnostic_msgs/DiagnosticArray | out | why it stands, missed periods, broadcasts that do not count |
+| /diagnostics | diagnostic_msgs/DiagnosticArray | out | its options, why it stands, missed periods, what was refused |
 """
 
 import json
@@ -17,7 +17,7 @@ from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from math import atan2
+from math import atan2, inf
 from typing import Final
 
 import numpy as np
@@ -33,8 +33,9 @@ from clean_swarm_env.robots.radio import Radio
 from clean_swarm_env.robots.sensed import Broadcast, Sensed, Wheels
 from examples.robots.bad_reception import BadReception, Faults
 from examples.robots.safety import kept_clear
-from examples.ros.wire import AGAIN, RADIO, STEADY, MissionClock, from_text
+from examples.ros.wire import AGAIN, RADIO, STEADY, MissionClock, from_text, sensed_in
 from selector.documents.errors import DocumentError
+from selector.documents.fields import JOINT
 
 NO_FAULTS: Final = Faults()
 
@@ -81,24 +82,34 @@ class RobotNode(Node):
 
     @property
     def link_age(self) -> float:
-        """Age of the last pose [s]; the time since the mission began before the first."""
-        return self.clock.now - (self._last.stamp if self._last is not None else 0.0)
+        """Age of the last pose [s]; infinite before the first."""
+        return self.clock.now - self._last.stamp if self._last is not None else inf
 
     def locate(self, odometry: Odometry) -> None:
         """Take the pose from odometry, which is of now: clocks of drivers differ from that of the mission."""
         place, turn = odometry.pose.pose.position, odometry.pose.pose.orientation
-        heading = 2.0 * atan2(turn.z, turn.w)
-        known = self._last or Sensed(0.0, 0.0, 0.0, 0.0)
         x, y = place.x / self._scale, place.y / self._scale
-        self._believe(replace(known, stamp=self.clock.now, x=x, y=y, heading=heading, collisions=0))
+        self._believe({"x": x, "y": y, "heading": 2.0 * atan2(turn.z, turn.w)})
 
     def sense(self, text: String) -> None:
-        """Take what else the robot senses."""
-        self._believe(replace(from_text(text.data), stamp=self.clock.now))
+        """Take what else the robot senses, with its pose or without."""
+        try:
+            self._believe(sensed_in(text.data))
+        except (ValueError, TypeError, AttributeError):  # text of others
+            self.damaged += 1
 
-    def _believe(self, sensed: Sensed) -> None:
-        self._last = sensed
-        self.robot.sense(sensed)
+    def _believe(self, sensed: dict) -> None:
+        """Put what is sensed into what was; it is of now if there is a pose in it. Broken sensors do not count."""
+        placed = {"x", "y", "heading"} <= {*sensed}
+        if self._last is None and not placed:
+            return
+        known = self._last or Sensed(0.0, 0.0, 0.0, 0.0)
+        try:
+            new = replace(known, **{"collisions": 0, **sensed, "stamp": self.clock.now if placed else known.stamp})
+            self.robot.sense(new)
+            self._last = new
+        except DocumentError:
+            self.damaged += 1
 
     def _scan(self, scan: LaserScan) -> None:
         self._ranges = scan
@@ -132,7 +143,7 @@ class RobotNode(Node):
             self._missed += max(tick - self._told_in - 1, 0) if self._told_in >= 0 else 0
             self._told_in, self.ticks = tick, self.ticks + 1
             self.say(self.robot.say(now))
-            if self.ticks % 5 == 0:
+            if self.ticks % 5 == 1:
                 self.diagnose(wheels)
         if wheels.handles:
             self._handles.publish(String(data=json.dumps({"tick": tick, "handles": wheels.handles})))
@@ -158,10 +169,15 @@ class RobotNode(Node):
         speeds.linear.x, speeds.angular.z = wheels.speed, wheels.turn_rate
         self._wheels.publish(command)
 
+    def stand(self) -> None:
+        """Command the wheels to stand."""
+        self.drive(Wheels(0.0, 0.0, (0.0, 0.0)), self.robot.worlds.world.tick)
+
     def diagnose(self, wheels: Wheels) -> None:
         """Say how the robot is."""
         refused = {f"refused: {why}": count for why, count in self.robot.ear.refused.items()}
-        values = {"periods": self.ticks, "missed": self._missed, "damaged": self.damaged, **refused}
+        holds = JOINT.join(one.model.options[one.held[self.robot.row]] for one in self.robot.worlds.coordinators)
+        values = {"holds": holds, "periods": self.ticks, "missed": self._missed, "damaged": self.damaged, **refused}
         level, words = (
             (DiagnosticStatus.WARN, f"stands: no {wheels.stopped}")
             if wheels.stopped
@@ -196,7 +212,8 @@ class LockStep:
         self._said: dict[int, dict[str, Broadcast]] = defaultdict(dict)
         self._spoken: list[Callable[[], None]] = []  # what the robot has said in this period, to say it again
         node.on_radio = self._listen
-        node.create_subscription(String, f"/{node.robot.name}/lockstep", self._sense, STEADY)
+        self._topic = f"/{node.robot.name}/lockstep"
+        node.create_subscription(String, self._topic, self._sense, STEADY)
 
     def _sense(self, text: String) -> None:
         given = json.loads(text.data)
@@ -217,6 +234,9 @@ class LockStep:
             self._spin()
             if time.monotonic() > again:
                 again = time.monotonic() + AGAIN
+                begun = self._phases or self._node.ticks
+                if begun and not self._node.count_publishers(self._topic):
+                    raise DocumentError(f"{self._topic}: expected the end of the mission, but the world has gone")
                 for speak in self._spoken:
                     speak()
 
@@ -238,6 +258,8 @@ class LockStep:
             self._speak(partial(node.grip, robot.decide(given["now"]), tick))
             self._wait(lambda tick=tick: (tick, "handled") in self._phases)
             robot.sense(from_text(self._phases[tick, "handled"]["sensed"]))
-            self._speak(partial(node.drive, robot.act(given["now"]), tick))
+            wheels = robot.act(given["now"])
+            node.diagnose(wheels)
+            self._speak(partial(node.drive, wheels, tick))
             node.ticks = tick = tick + 1
             self._phases = {place: one for place, one in self._phases.items() if place[0] >= tick}

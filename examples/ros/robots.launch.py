@@ -7,7 +7,7 @@ from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, ExecuteProcess
 from launch.substitutions import LaunchConfiguration
 
-GIVEN = {"mission": "lab-epuck2", "scale": "0.14", "strategy": "fixed:RepulsionGradient-view1.5", "seed": "1"}
+GIVEN = {"mission": "lab-epuck2", "scale": "0.14", "strategy": "", "seed": "1"}
 ROBOTS = 5
 
 

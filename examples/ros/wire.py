@@ -44,7 +44,15 @@ def as_text(sensed: Sensed) -> str:
 
 def from_text(text: str) -> Sensed:
     """Return what a robot senses from JSON."""
+    return Sensed(**sensed_in(text))
+
+
+def sensed_in(text: str) -> dict:
+    """Return those fields of `Sensed` that JSON has."""
     given = json.loads(text)
-    items = {int(number): SeenItem(*one) for number, one in given.pop("items").items()}
-    near, cargo = tuple(tuple(one) for one in given.pop("near")), tuple(given.pop("cargo"))
-    return Sensed(**given, items=items, near=near, cargo=cargo)
+    fields = {
+        "items": lambda items: {int(number): SeenItem(*one) for number, one in items.items()},
+        "near": lambda places: tuple(tuple(one) for one in places),
+        "cargo": tuple,
+    }
+    return {name: fields.get(name, lambda value: value)(value) for name, value in given.items()}

@@ -8,9 +8,10 @@ of the clock, counts commands that came too late, and a body whose commands stop
 import json
 import time
 from collections.abc import Callable
-from math import cos, sin
+from math import cos, isfinite, sin
 
 import numpy as np
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
 from rclpy.node import Node
@@ -19,8 +20,13 @@ from std_msgs.msg import String
 from clean_swarm_env.robots.sensed import Sensed, Wheels
 from examples.robots.bodies import ServedBodies
 from examples.ros.wire import AGAIN, STEADY, MissionClock, as_text
+from selector.documents.errors import DocumentError
+from selector.documents.fields import JOINT
+from selector.documents.plain import short
 from selforg.arrays import Floats
 
+FAREWELL = 10.0
+"""Time for which robots that do not go are told of the end [s]."""
 STANDING = Wheels(0.0, 0.0, (0.0, 0.0))
 
 
@@ -54,6 +60,8 @@ class WorldNode(Node):
                 TwistStamped, f"/{name}/cmd_vel", lambda m, name=name: self._drive(name, m), STEADY
             )
             self.create_subscription(String, f"/{name}/handles", lambda m, name=name: self._grip(name, m), STEADY)
+        self._held = [[one.held[row] for one in bodies.worlds.coordinators] for row in range(len(self.names))]
+        self.create_subscription(DiagnosticArray, "/diagnostics", self._note_options, 10 * STEADY)
 
     def all_there(self) -> bool:
         """Return whether all robots listen."""
@@ -66,13 +74,28 @@ class WorldNode(Node):
         return sum(self.count_publishers(f"/{name}/cmd_vel") for name in self.names)
 
     def _drive(self, name: str, command: TwistStamped) -> None:
-        speed, turn_rate = command.twist.linear.x / self._scale, command.twist.angular.z
+        speed, turn_rate, frame = command.twist.linear.x / self._scale, command.twist.angular.z, command.header.frame_id
+        if not (isfinite(speed) and isfinite(turn_rate)):
+            return  # as if it were lost
         self._wheels[name] = Wheels(speed, turn_rate, (0.0, 0.0))
-        self._came[name], self._commanded[name] = self.clock.now, int(command.header.frame_id)
+        self._came[name], self._commanded[name] = self.clock.now, int(frame) if frame.isdecimal() else -1
 
     def _grip(self, name: str, text: String) -> None:
-        given = json.loads(text.data)
-        self._handled[name], self._begun[name] = given["tick"], tuple(given["handles"])
+        try:
+            given = json.loads(text.data)
+            self._handled[name], self._begun[name] = given["tick"], tuple(given["handles"])
+        except (ValueError, TypeError, KeyError):  # text of others
+            self.get_logger().warning(f"/{name}/handles: expected JSON of tick and handles, got {short(text.data)}")
+
+    def _note_options(self, told: DiagnosticArray) -> None:
+        """Note the options that robots say they hold, for the recording."""
+        models = [one.model for one in self.bodies.worlds.coordinators]
+        for status in told.status:
+            holds = next((pair.value.split(JOINT) for pair in status.values if pair.key == "holds"), [])
+            fits = len(holds) == len(models) and all(one in own.options for own, one in zip(models, holds, strict=True))
+            if fits and status.name in self.names:
+                numbers = [list(own.options).index(one) for own, one in zip(models, holds, strict=True)]
+                self._held[self.names.index(status.name)] = numbers
 
     def run_period(self) -> None:
         """Run one control period by the commands that have come, and say what robots sense then."""
@@ -82,6 +105,7 @@ class WorldNode(Node):
         self._begun = dict.fromkeys(self.names, ())
         lost = [now - self._came[name] > timeout for name, timeout in zip(self.names, self._timeouts, strict=True)]
         self.late += sum(self._came[name] < now - bodies.worlds.period for name in self.names)
+        bodies.show_options(self._held)
         bodies.move([STANDING if gone else self._wheels[name] for name, gone in zip(self.names, lost, strict=True)])
         self.ticks += 1
         self.watch()
@@ -99,10 +123,20 @@ class WorldNode(Node):
         while bodies.running:
             self._ask("sense", bodies.sense(), self._handled, spin)
             self._ask("handled", bodies.handle([self._begun[name] for name in self.names]), self._commanded, spin)
+            bodies.show_options(self._held)
             bodies.move([self._wheels[name] for name in self.names])
             self.ticks += 1
             self.watch()
-        self._tell("end", bodies.sense())
+        self._end(bodies.sense(), spin)
+
+    def _end(self, sensed: list[Sensed], spin: Callable[[], None]) -> None:
+        """Tell all robots of the end until they have gone: what is told once, and then left, may be lost."""
+        again, until = 0.0, time.monotonic() + FAREWELL
+        while self.someone_there() and time.monotonic() < until:
+            if time.monotonic() > again:
+                again = time.monotonic() + AGAIN
+                self._tell("end", sensed)
+            spin()
 
     def _ask(self, phase: str, sensed: list[Sensed], answers: dict[str, int], spin: Callable[[], None]) -> None:
         """Tell all robots what they sense, again and again until all have answered."""
@@ -110,6 +144,8 @@ class WorldNode(Node):
         while not all(answers.get(name) == self.ticks for name in self.names):
             if time.monotonic() > again:
                 again = time.monotonic() + AGAIN
+                if gone := [name for name in self.names if not self.count_publishers(f"/{name}/cmd_vel")]:
+                    raise DocumentError(f"world: expected all robots until the end, but {', '.join(gone)} has gone")
                 self._tell(phase, sensed)
             spin()
 
