@@ -24,6 +24,7 @@ from clean_swarm_env.learning.batch import Batch
 from clean_swarm_env.learning.observation.observer import Observations
 from selector.documents.errors import DocumentError
 from selector.documents.fields import JOINT
+from selector.documents.plain import must_fit
 from selector.documents.trust import BASELINE
 from selector.knowledge import must_know_option
 from selector.strategies.problem import Problem
@@ -62,8 +63,7 @@ class DecidedGoal:
             names = [named_goal(tuple(models), name) for name in ([None] if goal is None else goal.split(JOINT))]
         else:
             names = [name for name in goal if name in models] or [named_goal(tuple(models), goal[0])]
-        if len(set(names)) < len(names):
-            raise DocumentError(f"goal: expected each goal once, got {goal}")
+        must_fit(len(set(names)) == len(names), "goal", "each goal once", str(goal))
         self.names, self.columns = tuple(names), [list(models).index(name) for name in names]
         self.parts = tuple(tuple(models[name].options) for name in names)
         self._default, self._recorder, self._mode = batch.choices.default, batch.recorder, batch.action.mode

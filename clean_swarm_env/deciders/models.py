@@ -30,6 +30,7 @@ from clean_swarm_env.learning.observation.observer import Observations
 from selector.documents.arrays import check_known
 from selector.documents.errors import DocumentError, within
 from selector.documents.fields import JOINT
+from selector.documents.plain import must_fit
 from selector.documents.trust import check_trust
 from selector.documents.writing import write_whole
 from selector.strategies.problem import Problem
@@ -99,8 +100,8 @@ class ModelDecider(Decider):
     def __init__(self, path: Path, mode: Mode, problem: Problem, teams: Ints) -> None:
         super().__init__(problem, teams)
         known = remembered(path)
-        if known.options and known.goal != problem.goal:
-            raise DocumentError(f"{path}: goal: expected {problem.goal}, got {known.goal}")
+        fits = not known.options or known.goal == problem.goal
+        must_fit(fits, f"{path}: goal", problem.goal, known.goal)
         columns = zip(*(option.split(JOINT) for option in problem.options), strict=True)
         parts = [tuple(dict.fromkeys(column)) for column in columns] if known.options else [problem.options]
         own = list(known.options.values()) or parts

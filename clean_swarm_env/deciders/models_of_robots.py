@@ -8,7 +8,7 @@ import numpy as np
 
 from clean_swarm_env.deciders.decider import DeciderMaker, OptionDecider
 from clean_swarm_env.learning.observation.observer import Observations
-from selector.documents.errors import DocumentError
+from selector.documents.plain import must_fit
 from selector.strategies.problem import Problem
 from selforg.arrays import Floats, Ints
 
@@ -31,9 +31,8 @@ class ByModelDecider(OptionDecider):
     def __init__(self, makers: Mapping[str, DeciderMaker], problem: Problem, teams: Ints) -> None:
         super().__init__(problem, teams)
         there = [name.removeprefix(FLAG) for name in problem.features if name.startswith(FLAG)]
-        if set(there) != set(makers):
-            expected = "; ".join(f"{model}=STRATEGY" for model in there)
-            raise DocumentError(f"models: expected {expected}, got strategies for {', '.join(makers)}")
+        named = "; ".join(f"{model}=STRATEGY" for model in there)
+        must_fit(set(there) == set(makers), "models", named, f"strategies for {', '.join(makers)}")
         self._columns = [problem.features.index(f"{FLAG}{model}") for model in makers]
         self._deciders = [make(problem, teams) for make in makers.values()]
 

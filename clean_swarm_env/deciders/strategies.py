@@ -10,8 +10,8 @@ import numpy as np
 
 from clean_swarm_env.deciders.decider import Decided, Decider, OptionDecider, columns_of
 from clean_swarm_env.learning.observation.observer import Observations
-from selector.documents.errors import DocumentError
 from selector.documents.fields import JOINT
+from selector.documents.plain import must_fit
 from selector.knowledge import check_same
 from selector.strategies.choosing import shares
 from selector.strategies.policy_file import Network, TrainedPolicy
@@ -93,16 +93,15 @@ class PolicyDecider(Decider):
         self._kept = self._keeping.copy()
         goals, first = problem.goal.split(JOINT), 0
         decided = [goal for joint in spec.goals for goal in joint.split(JOINT)]
-        if spec.goals and not set(goals) <= set(decided):
-            raise DocumentError(f"policy: goals: expected {', '.join(goals)}, got {', '.join(spec.goals)}")
+        decides = not spec.goals or set(goals) <= set(decided)
+        must_fit(decides, "policy: goals", ", ".join(goals), ", ".join(spec.goals))
         for joint, names in spec.goals.items():
             if set(joint.split(JOINT)) <= set(goals):
                 places = [goals.index(goal) for goal in joint.split(JOINT)]
                 own = [JOINT.join(option.split(JOINT)[k] for k in places) for option in problem.options]
                 numbers = np.array([names.index(name) if name in names else -1 for name in own])
-                if numbers.max() < 0:
-                    expected = f"some of {', '.join(dict.fromkeys(own))}"
-                    raise DocumentError(f"policy: {joint}: options: expected {expected}, got {', '.join(names)}")
+                some = f"some of {', '.join(dict.fromkeys(own))}"
+                must_fit(bool(numbers.max() >= 0), f"policy: {joint}: options", some, ", ".join(names))
                 self._heads.append((joint, slice(first, first + len(names)), numbers, spec.holds.get(joint, 1)))
             first += len(names)
         self._columns = columns_of(problem, spec.observations, "policy: observations")

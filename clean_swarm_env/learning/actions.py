@@ -15,9 +15,8 @@ from pydantic import Field
 
 from clean_swarm_env.world.worlds import Worlds
 from selector.coordination.model import CoordinatorModel
-from selector.documents.errors import DocumentError
 from selector.documents.fields import Closed, Name
-from selector.documents.plain import must_know
+from selector.documents.plain import must_fit, must_know
 from selforg.arrays import Flags, Floats, Ints
 from selforg.compiler.decorators import kernel, lean_kernel
 from selforg.elementary import sine_cosine
@@ -75,9 +74,8 @@ class LearnerActions:
         for k, model in enumerate(models):
             first = sum(self.counts[:k])
             for number, able in enumerate(self._table[:, first : first + self.counts[k]]):
-                if not able.any():
-                    expected = f"an option for goal {model.goal} in phase {phases[number]!r}"
-                    raise DocumentError(f"actions: serves: expected {expected}, got none")
+                serving = f"an option for goal {model.goal} in phase {phases[number]!r}"
+                must_fit(bool(able.any()), "actions: serves", serving, "none")
                 self._stand_in[number, k] = int(np.argmax(np.where(able, model.scores, -np.inf)))
         self.masked = not self._table.all()
         self._limits = np.array(self.counts)

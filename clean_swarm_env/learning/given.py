@@ -19,7 +19,8 @@ from clean_swarm_env.config.families import FamilyConfig
 from clean_swarm_env.config.load import load_family, load_mission
 from clean_swarm_env.config.mission import MissionConfig
 from clean_swarm_env.config.tasks import with_changes
-from selector.documents.errors import DocumentError, M, validated
+from selector.documents.errors import M, validated
+from selector.documents.plain import must_fit
 
 Named = str | os.PathLike[str]
 """A name of a shipped file, or a path."""
@@ -59,9 +60,8 @@ def family_from(given: GivenFamily, directories: tuple[Path, ...] = ()) -> Famil
             given = {**given, "mission": mission}
         family = config_from(FamilyConfig, given, "family", "a name, a path, ")
     for name, (least, most) in family.groups.items():
-        if least < most:
-            expected = "one number of robots of each model for worlds that learners share"
-            raise DocumentError(f"family {family.name}: groups.{name}: expected {expected}, got {least} to {most}")
+        one = "one number of robots of each model for worlds that learners share"
+        must_fit(least == most, f"family {family.name}: groups.{name}", one, f"{least} to {most}")
     return family
 
 

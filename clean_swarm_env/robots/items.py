@@ -16,9 +16,8 @@ from selforg.network import state as st
 def check_cargo(task: object) -> None:
     """Raise DocumentError for robots that need to know more of items than sensors and messages tell."""
     if isinstance(task, Cleaning):
-        asks = task.cargo_memory.tells or task.cargo_memory.handed is not None
+        asks, finds = task.cargo_memory.tells or task.cargo_memory.handed is not None, task.site.packed.record.finders
         must_fit(not asks, "robot", "options that do not ask for its cargo (Transport)", "some that do")
-        finds = bool(task.site.packed.record.finders)
         must_fit(not finds, "robot", "robots that carry items", "some that only find them for others")
 
 

@@ -111,14 +111,13 @@ class RobotProcess:
         with within(strategy):
             named.check_team(self.mission.robots.count)
             self._decider = named.build(self._decided.problem, np.zeros(whole.rows, dtype=np.int64))
-        drives = named.mode == "velocity" and not self._task.thinks_when_driven
-        chooses = not self._decider.is_baseline and not drives
-        must_fit(chooses, strategy, "a strategy that chooses options of the robot", "another")
+        leads = self._decider.is_baseline or (named.mode == "velocity" and not self._task.thinks_when_driven)
+        must_fit(not leads, strategy, "a strategy that chooses options of the robot", "another")
         self._cleans = isinstance(self._task, Cleaning)
         check_cargo(self.worlds.task)
         must_fit(is_finite(timeout) and timeout >= 0.0, "robot: timeout", "seconds, 0 for that of its model", timeout)
-        links = isinstance(link_timeout, Real) and link_timeout > 0.0
-        must_fit(links, "robot: link_timeout", "more than 0 s", link_timeout)
+        may_wait = isinstance(link_timeout, Real) and link_timeout > 0.0
+        must_fit(may_wait, "robot: link_timeout", "more than 0 s", link_timeout)
         self._talk = Talk(self.worlds, self.names, self.row, whole.delivery, self._stands)
         self.ear = self._talk.ear
         self._start(seed, timeout, link_timeout)

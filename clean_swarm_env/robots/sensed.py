@@ -102,8 +102,7 @@ class Sensed:
         """Check each field, and that they fit together: sensors break."""
         for name, expected, is_possible in POSSIBLE:
             must_fit(is_possible(getattr(self, name)), f"sensed: {name}", expected, getattr(self, name))
-        both = {*self.items}.intersection(self.cargo)
-        must_fit(not both, "sensed: cargo", "items that do not lie", self.cargo)
+        must_fit({*self.items}.isdisjoint(self.cargo), "sensed: cargo", "items that do not lie", self.cargo)
         must_fit(len(self.cargo) > 0 or not self.recycled, "sensed: recycled", "False without cargo", self.recycled)
 
 

@@ -86,8 +86,7 @@ class Talk:
 
     def is_on_ground(self, x: float, y: float) -> bool:
         """Return whether a place [m] is on the ground, or beyond its edge by at most the largest radius of robots."""
-        least = -self._beyond
-        return least <= x <= self._width - least and least <= y <= self._height - least
+        return max(-x, x - self._width, -y, y - self._height) <= self._beyond
 
     def listen(self, poses: bool) -> None:
         """Put what has arrived into buffers, and `poses` too, in the order in which it was said."""

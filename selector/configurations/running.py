@@ -10,6 +10,7 @@ import numpy as np
 from selector.configurations.configuration import ActingNetworkSpec
 from selector.configurations.host import Host
 from selector.documents.errors import DocumentError, within
+from selector.documents.plain import must_fit
 from selector.vocabulary.components import ComponentSpec, MechanismSpec, TargetSpec
 from selector.vocabulary.constructors import Reference, checked_parameters
 from selforg.arrays import READ, Ints
@@ -93,9 +94,9 @@ class RunningConfiguration(OrganisedRobots):
         arguments = checked_parameters(cls, declared.parameters, f"{where}.parameters")
         known = arguments.get("value")
         if isinstance(known, str):
-            if known not in self.spec.expects:
-                expected = f"a number or a name under expects ({', '.join(self.spec.expects) or 'there is none'})"
-                raise DocumentError(f"{where}.parameters.value: expected {expected}, got {known!r}")
+            expects = ", ".join(self.spec.expects) or "there is none"
+            fits = known in self.spec.expects
+            must_fit(fits, f"{where}.parameters.value", f"a number or a name under expects ({expects})", repr(known))
             del arguments["value"]
         for name in (part for part, one in parameters_of(cls).items() if one.annotation == MovementWeights):
             arguments[name] = {

@@ -8,6 +8,7 @@ from dataclasses import replace
 from selector.configurations.configuration import ConfigurationSpec, PoseSpec
 from selector.configurations.library import Library
 from selector.documents.errors import DocumentError
+from selector.documents.plain import must_fit
 from selector.knowledge import Knowledge
 from selector.strategies.problem import Problem
 from selforg.network.model.behaviours import Behaviour, Effect, Interface, Sensor
@@ -62,8 +63,7 @@ def coordinator_models(goals: Iterable[str], knowledge: Knowledge, library: Libr
     """Return the models of some goals, in their order; DocumentError if options of two goals want radii of the pose."""
     models = tuple(CoordinatorModel(goal, knowledge, library) for goal in goals)
     spreading = [model.goal for model in models if model.sets_pose]
-    if len(spreading) > 1:
-        raise DocumentError(f"pose: expected options of one goal to set radii, got options of {', '.join(spreading)}")
+    must_fit(len(spreading) < 2, "pose", "options of one goal to set radii", f"options of {', '.join(spreading)}")
     return models
 
 

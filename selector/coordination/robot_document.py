@@ -44,7 +44,7 @@ from selector.documents.errors import DocumentError, shown, validated, within
 from selector.documents.fields import Closed, Name, checked_name
 from selector.documents.find import find_file
 from selector.documents.parameters import Content, check_parameters_used, resolved
-from selector.documents.plain import must_know, short
+from selector.documents.plain import must_fit, must_know, short
 from selector.documents.reading import read_mapping
 from selector.vocabulary.conditions import NamedConditions
 from selector.vocabulary.constructors import checked_parameters
@@ -103,8 +103,7 @@ def read_robot(path: Path, below: tuple[str, ...] = ()) -> dict[str, Any]:
         return content
     where = f"{shown(path)}: base"
     name = checked_name(content["base"], where)
-    if path.stem in below:
-        raise DocumentError(f"{where}: expected no circle of documents, got {' > '.join((*below, path.stem, name))}")
+    must_fit(path.stem not in below, where, "no circle of documents", " > ".join((*below, path.stem, name)))
     base = read_robot(find_file("robots", name, (path.parent.parent,), f"{where}: "), (*below, path.stem))
     return laid_over(base, {key: value for key, value in content.items() if key != "base"}, shown(path))
 
@@ -113,10 +112,9 @@ def laid_over(base: Mapping[str, Any], changes: Mapping[str, Any], where: str) -
     """Return `base` with `changes`: mappings are merged, and what is null is left out; `where` begins errors."""
     merged = dict(base)
     for key, value in changes.items():
-        if value is None and key not in merged:
-            raise DocumentError(f"{where}: {key}: expected a part of the base to leave out, got an unknown one")
         below = merged.get(key)
         if value is None:
+            must_fit(key in merged, f"{where}: {key}", "a part of the base to leave out", "an unknown one")
             del merged[key]
         elif isinstance(below, Mapping) and isinstance(value, Mapping):
             merged[key] = laid_over(below, value, f"{where}: {key}")
@@ -159,8 +157,7 @@ def coordinated_goals(path: Path) -> tuple[str, ...]:
 def known_conditions(content: Content, outside: Mapping[str, Any], where: str) -> dict[str, Any]:
     """Return the conditions that a network knows by name, its own and those of the networks around it."""
     own = content.get("conditions", {})
-    if not isinstance(own, dict):
-        raise DocumentError(f"{where}.conditions: expected a mapping, got {short(own)}")
+    must_fit(isinstance(own, dict), f"{where}.conditions", "a mapping", short(own))
     for name, condition in own.items():
         if name in outside and outside[name] != condition:
             raise DocumentError(f"{where}.conditions.{name}: means something else in a network around this one")

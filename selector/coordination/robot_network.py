@@ -16,7 +16,7 @@ from selector.configurations.configuration import DECLARED_BY, ActingBehaviourSp
 from selector.coordination.model import CoordinatorModel
 from selector.documents.errors import DocumentError
 from selector.documents.fields import Closed, Name
-from selector.documents.plain import must_know
+from selector.documents.plain import must_fit, must_know
 from selector.vocabulary.components import ActionSpecs, SensorSpec
 from selector.vocabulary.conditions import AnyCondition, BehaviourSpec, GoalSpec
 from selector.vocabulary.settings import SettingsSpec
@@ -56,12 +56,11 @@ class HoldingBehaviourSpec(BehaviourSpec):
             return plain
         where = f"behaviours.{name}.goal"
         must_know("coordinated goal", self.goal, sorted(coordinators), where)
-        if self.goal != name:
-            raise DocumentError(f"{where}: expected the name of the coordinator, got {self.goal!r}")
+        must_fit(self.goal == name, where, "the name of the coordinator", repr(self.goal))
         model = coordinators[self.goal]
         for option, configuration in zip(model.options, model.configurations, strict=True):
-            if self.during and not configuration.steers:
-                raise DocumentError(f"behaviours.{name}.during: expected options that only steer, got {option}")
+            steers = configuration.steers or not self.during
+            must_fit(steers, f"behaviours.{name}.during", "options that only steer", option)
         return model.behaviour(plain)
 
 

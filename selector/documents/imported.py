@@ -12,7 +12,7 @@ from pydantic import AfterValidator, Field
 
 from selector.documents.errors import DocumentError
 from selector.documents.fields import as_name
-from selector.documents.plain import short
+from selector.documents.plain import must_fit, short
 from selector.documents.trust import check_trust, is_import
 from selforg import plugins
 from selforg.registry import Registry
@@ -34,8 +34,7 @@ def registered(text: str, registry: Registry[Any]) -> str:
     """
     if is_import(text):
         found = imported(text, registry.kind)
-        if found not in list(registry):
-            raise DocumentError(f"{text}: expected a registered {registry.kind}, got {short(found)}")
+        must_fit(found in list(registry), text, f"a registered {registry.kind}", short(found))
         plugins.import_named(text.rpartition(":")[0])  # workers look the class up by its registered name
         return registry.name_of(found)
     if text not in registry:
@@ -58,8 +57,7 @@ def imported(text: str, where: str) -> Any:  # noqa: ANN401  (whatever the user'
         DocumentError: there is no such module or object; `where` starts the line.
 
     """
-    if not is_import(text):
-        raise DocumentError(f"{where}: expected module:name or path/to/file.py:name, got {text!r}")
+    must_fit(is_import(text), where, "module:name or path/to/file.py:name", repr(text))
     _check_import(text, f"{where}: ")
     place, _, name = text.rpartition(":")
     try:

@@ -21,10 +21,10 @@ from clean_swarm_env.learning.observation import team_terms as team_terms
 from clean_swarm_env.learning.observation import thing_terms as thing_terms
 from clean_swarm_env.learning.observation.term import TERMS, Observed, Term
 from clean_swarm_env.world.task import task_class
-from selector.documents.errors import DocumentError, check_unique, validated
+from selector.documents.errors import check_unique, validated
 from selector.documents.fields import Closed, Name, Number, Positive
 from selector.documents.imported import NameOrImport, registered
-from selector.documents.plain import must_know
+from selector.documents.plain import must_fit, must_know
 
 
 def usual_terms(mission: MissionConfig) -> tuple[str, ...]:
@@ -92,8 +92,8 @@ class ObservationConfig(Closed):
         Robots that are `driven` by vectors hold no options, and see none.
         """
         if self.terms is not None:
-            if driven and any(term.name == "holds" for term in self.terms):
-                raise DocumentError("observation: terms: 'holds': expected options as actions, got mode 'velocity'")
+            names = [term.name for term in self.terms if driven]
+            must_fit("holds" not in names, "observation: terms: 'holds'", "options as actions", "mode 'velocity'")
             return self
         seen = [name for name in usual if not (driven and name == "holds")]
         given = {name: getattr(self, name) for name in self.model_fields_set}

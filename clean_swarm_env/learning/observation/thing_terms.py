@@ -7,7 +7,7 @@ import numpy as np
 from clean_swarm_env.learning.observation.term import TERMS, Observed, Term
 from clean_swarm_env.world.ground import Ground
 from clean_swarm_env.world.parts.things import kinds_of
-from selector.documents.errors import DocumentError
+from selector.documents.plain import must_fit
 from selforg.arrays import Flags, Floats, Ints
 from selforg.elementary import unit_vectors
 from selforg.plugins import check_answer
@@ -88,11 +88,9 @@ class HeardTerm(Term):
         worlds = observed.worlds
         worlds.minds.share(worlds.task.notices)
         self._facts, self._oldest = tuple(worlds.minds.facts.values()), max(oldest, worlds.period)
-        if oldest <= 0.0:
-            raise DocumentError(f"observation: terms: heard: oldest: expected more than 0 s, got {oldest:g}")
-        if not self._facts:
-            told = f"robots that tell facts, by their document or their task, got none in {worlds.task.name}"
-            raise DocumentError(f"observation: terms: heard: expected {told}")
+        where, telling = "observation: terms: heard", "robots that tell facts, by their document or their task"
+        must_fit(oldest > 0.0, f"{where}: oldest", "more than 0 s", f"{oldest:g}")
+        must_fit(len(self._facts) > 0, where, telling, f"none in {worlds.task.name}")
         self.components = tuple(f"{part}_{fact.name}" for fact in self._facts for part in (self.name, "age_of"))
 
     def write(self, rows: Ints, out: Floats) -> None:

@@ -15,6 +15,7 @@ from selector.coordination.robot_document import coordinated_goals, load_network
 from selector.coordination.robot_network import RobotNetwork, merged_networks
 from selector.documents.errors import DocumentError, shown
 from selector.documents.find import find_file
+from selector.documents.plain import must_fit
 from selforg.arrays import Floats, Ints
 from selforg.components.memory import RobotMemory
 from selforg.network.model.behaviours import Sensor
@@ -86,9 +87,8 @@ def goals_of(mission: MissionConfig, directories: Sequence[Path]) -> tuple[str, 
     found = {name: coordinated_goals(find_file("robots", name, directories, by.where)) for name, by in named.items()}
     first = found[mission.network.robot]
     for name, goals in found.items():
-        if set(goals) != set(first):
-            expected = f"a robot that coordinates {', '.join(first)} as {mission.network.robot} does"
-            raise DocumentError(f"{named[name].where}{name}: expected {expected}, got {', '.join(goals)}")
+        same = f"a robot that coordinates {', '.join(first)} as {mission.network.robot} does"
+        must_fit(set(goals) == set(first), f"{named[name].where}{name}", same, ", ".join(goals))
     return first
 
 
@@ -133,19 +133,17 @@ def robot_network(
     robot = load_network(path, by_goal, parameters, config.build())
     model = robot.model
     given = [f"a told {one.name}" if one.name in robot.sensors else one.name for one in model.sensors]
-    if model.sensors[: len(OWN_SENSORS)] != OWN_SENSORS or robot.sensors.keys() & {one.name for one in OWN_SENSORS}:
-        expected = ", ".join(sensor.name for sensor in OWN_SENSORS)
-        raise DocumentError(f"{shown(path)}: expected the sensors {expected} first, got {', '.join(given)}")
+    own = [sensor.name for sensor in OWN_SENSORS]
+    fits = model.sensors[: len(own)] == OWN_SENSORS and not robot.sensors.keys() & set(own)
+    must_fit(fits, shown(path), f"the sensors {', '.join(own)} first", ", ".join(given))
     known = {sensor.name for coordinator in coordinators for sensor in coordinator.sensors} | robot.sensors.keys()
     for sensor in model.sensors[len(OWN_SENSORS) :]:
-        if sensor.name not in known:
-            expected = "a sensor of the robot itself or of a coordinator's options, which something feeds"
-            raise DocumentError(f"{shown(path)}: networks: sensors.{sensor.name}: expected {expected}, got neither")
+        fed = "a sensor of the robot itself or of a coordinator's options, which something feeds"
+        must_fit(sensor.name in known, f"{shown(path)}: networks: sensors.{sensor.name}", fed, "neither")
     acting = {*BEHAVIOURS, PATROL, *by_goal, *robot.inner}
     for behaviour in model.behaviours:
-        if behaviour.name not in acting:
-            expected = f"a network, a coordinator, or one of {', '.join((*BEHAVIOURS, PATROL))}, which act"
-            raise DocumentError(f"{shown(path)}: networks: behaviours.{behaviour.name}: expected {expected}, got none")
+        acts = f"a network, a coordinator, or one of {', '.join((*BEHAVIOURS, PATROL))}, which act"
+        must_fit(behaviour.name in acting, f"{shown(path)}: networks: behaviours.{behaviour.name}", acts, "none")
     missing = [name for name in BEHAVIOURS if name not in model.behaviour_index]
     if missing and named.carries:
         expected = f"the behaviours {', '.join(BEHAVIOURS)} of robots that carry items"

@@ -14,7 +14,7 @@ from clean_swarm_env.tasks.cleaning.cargo import list_lying
 from clean_swarm_env.tasks.cleaning.garbage import NOTHING
 from clean_swarm_env.tasks.cleaning.records import FloorRecord, open_floor
 from clean_swarm_env.tasks.cleaning.settings import CleaningSettings
-from selector.documents.errors import DocumentError
+from selector.documents.plain import must_fit
 from selforg.arrays import Floats, Ints
 from selforg.compiler.decorators import inlined, part
 from selforg.compiler.records import Handle
@@ -28,8 +28,7 @@ PATROL, APPROACH, TO_RECYCLING, TO_DUMP = range(len(PHASES))
 def cleaning_in(observed: Observed, term: str) -> Any:  # noqa: ANN401  (a Cleaning, which stands above this module)
     """Return the task of the robots, which a term is about; DocumentError if it is not cleaning."""
     task = observed.worlds.task
-    if not isinstance(task.settings, CleaningSettings):
-        raise DocumentError(f"observation: terms: {term}: expected the task Cleaning, got {task.name}")
+    must_fit(isinstance(task.settings, CleaningSettings), f"observation: terms: {term}", "the task Cleaning", task.name)
     return task
 
 
