@@ -57,10 +57,10 @@ class RecordSettings:
     policies: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     """The trained networks that may choose, by name, as plain data; with minds their inputs are recorded, too."""
 
-    kept: bool = False
-    """Whether a file that is there already is kept: the new one gets a number behind its name."""
     put: bool = False
     """Whether things may be put elsewhere by hand, so that the places of all of them are recorded."""
+    kept: bool = False
+    """Whether a file that is there already is kept: the new one gets a number behind its name."""
 
     @property
     def inputs(self) -> tuple[str, ...]:
