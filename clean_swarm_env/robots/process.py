@@ -92,9 +92,11 @@ class RobotProcess:
         named, whole = decider_named(strategy, directories), mission_from(mission, tuple(directories))
         self.mission = known_alone(whole)
         self.names = tuple(f"robot_{row}" for row in range(whole.rows))
-        must_fit(is_whole(number) and number < whole.rows, "robot", f"a number from 0 to {whole.rows - 1}", number)
+        must_fit(
+            is_whole(number) and number < whole.rows, "robot", f"a number from 0 to {whole.rows - 1}", repr(number)
+        )
         must_fit(is_whole(seed), "robot: seed", "a whole number from 0 on", seed)
-        must_fit(isinstance(record, RecordSettings | None), "robot: record", "RecordSettings", record)
+        must_fit(isinstance(record, RecordSettings | None), "robot: record", "RecordSettings", repr(record))
         self.row, self.name = number, self.names[number]
         scenario = Scenario(self.name, seed, self.mission, start or random_start(self.mission, seed, 0))
         self._batch = Batch(
@@ -219,9 +221,8 @@ class RobotProcess:
 
     def _record_missed(self, missed: int) -> None:
         """Let the recording, if there is one, keep the time: a frame for each control period that was missed."""
-        left = int(self.worlds.world.limits[0]) - self.worlds.world.tick - 1  # of the mission
         if self._batch.recorder is not None:
-            for _ in range(min(missed, left)):
+            for _ in range(min(missed, int(self.worlds.world.limits[0]) - self.worlds.world.tick - 1)):
                 self._batch.recorder.record()
 
     def _turn(self, now: float) -> None:

@@ -101,7 +101,8 @@ class Sensed:
     def __post_init__(self) -> None:
         """Check each field, and that they fit together: sensors break."""
         for name, expected, is_possible in POSSIBLE:
-            must_fit(is_possible(getattr(self, name)), f"sensed: {name}", expected, getattr(self, name))
+            given = getattr(self, name)
+            must_fit(is_possible(given), f"sensed: {name}", expected, repr(given) if isinstance(given, str) else given)
         must_fit({*self.items}.isdisjoint(self.cargo), "sensed: cargo", "items that do not lie", self.cargo)
         must_fit(len(self.cargo) > 0 or not self.recycled, "sensed: recycled", "False without cargo", self.recycled)
 

@@ -281,12 +281,12 @@ def test_what_a_robot_cannot_do_by_itself_is_one_line(wrong, says):
     [
         ({"mission": {}}, r"robot: mission: expected a name, a path, or keys of a mission, got {}"),
         ({"mission": None}, r"robot: mission: expected a name, a path, or keys of a mission, got None"),
-        ({"number": "robot_0"}, r"robot: expected a number from 0 to 4, got robot_0"),
+        ({"number": "robot_0"}, r"robot: expected a number from 0 to 4, got 'robot_0'"),
         ({"number": 1.0}, r"robot: expected a number from 0 to 4, got 1.0"),
         ({"seed": -1}, r"robot: seed: expected a whole number from 0 on, got -1"),
         ({"timeout": -1}, r"robot: timeout: expected seconds, 0 for that of its model, got -1"),
         ({"link_timeout": 0.0}, r"robot: link_timeout: expected more than 0 s, got 0.0"),
-        ({"record": "folder"}, r"robot: record: expected RecordSettings, got folder"),
+        ({"record": "folder"}, r"robot: record: expected RecordSettings, got 'folder'"),
     ],
 )
 def test_settings_that_are_impossible_are_one_line(wrong, says):
@@ -301,6 +301,7 @@ LIES = SeenItem(1.0, 1.0)
     ("wrong", "says"),
     [
         ({"x": float("nan")}, "sensed: x: expected a finite number, got nan"),
+        ({"x": "2.0"}, "sensed: x: expected a finite number, got '2.0'"),
         ({"stamp": None}, "sensed: stamp: expected a finite number, got None"),
         ({"heading": 90.0}, "sensed: heading: expected radians, from -7 to 7, got 90.0"),
         ({"x": -3.0}, "sensed: pose: expected a place on the ground, 11 x 11, got (-3.0, 3.0)"),
