@@ -4,6 +4,7 @@ import copy
 import inspect
 import pickle
 import pydoc
+import re
 
 import numpy as np
 import pytest
@@ -27,7 +28,7 @@ def test_help_shows_every_setting(border):
     shown = inspect.signature(border).parameters
     assert EnvSettings.__annotations__.keys() | {"mission", "reward"} <= shown.keys()
     assert "settings" not in shown
-    assert "knowledge: 'Named | None' = None" in pydoc.render_doc(border, renderer=pydoc.plaintext)
+    assert re.search(r"knowledge: '?Named \| None'? = None", pydoc.render_doc(border, renderer=pydoc.plaintext))
 
 
 @pytest.mark.parametrize(("wrong", "meant"), [("knowlege", "knowledge"), ("obsevation", "observation")])

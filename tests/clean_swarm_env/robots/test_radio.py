@@ -1,5 +1,6 @@
 """Broadcasts as bytes: golden ones, a mission over bytes, other versions, and bytes that are damaged."""
 
+import math
 import random
 import resource
 from contextlib import suppress
@@ -113,7 +114,7 @@ def survive(messages):
         if number % 10 == 0:
             said = []
             for k, other in enumerate((robot, *others)):
-                other.sense(Sensed(stamp=now, x=2.0 + 0.5 * k + np.sin(now), y=3.0, heading=0.1 * now))
+                other.sense(Sensed(stamp=now, x=2.0 + 0.5 * k + np.sin(now), y=3.0, heading=0.1 * now % math.tau))
                 other.step(now)
             said = [air.encode(other.say(now)) for other in others]
             heard += sum(robot.hear(air.decode(raw)) for raw in said)
