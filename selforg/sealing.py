@@ -41,6 +41,11 @@ def unsealed(kind: str, state: bytes) -> Any:  # noqa: ANN401  (whatever was a s
     seal, content = rest[:SEAL], memoryview(rest)[SEAL:]
     if seal != _seal(content):
         raise ValueError(f"state: expected length and checksum {seal.hex()}, got {_seal(content).hex()}: damaged")
+    return unpacked(content)
+
+
+def unpacked(content: bytes | memoryview) -> Any:  # noqa: ANN401  (whatever was packed)
+    """Return what was pickled. ValueError for classes of other sources."""
     try:
         return pickle.loads(content)
     except (AttributeError, ImportError, TypeError) as error:

@@ -14,7 +14,7 @@ from clean_swarm_env.learning.observation.observer import Observations
 from clean_swarm_env.world.mission import MissionResult
 from clean_swarm_env.world.parts.measure import key_of
 from selforg.arrays import Flags, Floats
-from selforg.sealing import sealed, unsealed
+from selforg.sealing import sealed, unpacked, unsealed
 
 BATCH_STATES = "batch"
 """Kind of the states of worlds, whatever batches they are in."""
@@ -100,7 +100,7 @@ class ManyWorlds:
         places, packed = self.places(worlds), unsealed(BATCH_STATES, state)
         if len(packed) not in (1, len(places)):
             raise ValueError(f"state: expected one world, or {len(places)}, got {len(packed)}")
-        states = [(*place, pickle.loads(packed[k % len(packed)])) for k, place in enumerate(places)]
+        states = [(*place, unpacked(packed[k % len(packed)])) for k, place in enumerate(places)]
         for batch, _, one in states:
             batch.check_state(one)
         seen = [batch.enter({own: one for other, own, one in states if other is batch}) for batch in self.batches]

@@ -53,7 +53,8 @@ class Ear:
             early, counted = (
                 sum(now - at < SILENCE for at in times.values()) for times in (self._early_at, self._counted_at)
             )
-            self.wrong_until = now + SILENCE if early > counted else self.wrong_until
+            agree = early > counted and early >= min(2, len(self._newest))  # one alone may be wrong itself
+            self.wrong_until = now + SILENCE if agree else self.wrong_until
         if why:
             self.refused[why] += 1
         else:

@@ -25,7 +25,7 @@ def put_items(task: Cleaning, row: int, sensed: Sensed) -> None:
     """Let a robot believe what it has sensed of items and of its cargo; it knows nothing of other items."""
     garbage, seen, site = task.garbage, sensed.items, task.site
     count, room = garbage.stage.shape[1], int(site.packed.record.room[row])
-    highest = max((*seen, *sensed.cargo), default=0)
+    highest = max((*seen, *sensed.cargo), default=-1)
     must_fit(highest < count, "sensed: items and cargo", f"numbers below {count}", highest)
     must_fit(len(sensed.cargo) <= room, "sensed: cargo", f"at most {room} at a time (carries)", sensed.cargo)
     lay = {item: garbage.positions[0, item].copy() for item in np.flatnonzero(garbage.stage[0] == LYING).tolist()}

@@ -35,7 +35,7 @@ from clean_swarm_env.robots.sensed import POSE_BUFFER, Broadcast, Emitted, Sense
 from clean_swarm_env.robots.talking import Talk
 from clean_swarm_env.tasks.cleaning.task import Cleaning
 from selector.documents.errors import within
-from selector.documents.plain import must_fit
+from selector.documents.plain import must_fit, short
 from selforg.program import AFTER_MOVING, COMMANDING, COUNTING, DECIDE, LEAD, MOVE, SENSE, STARTING, Program, Step
 
 EARLY: Final = 1e-6
@@ -95,7 +95,7 @@ class RobotProcess:
         must_fit(
             is_whole(number) and number < whole.rows, "robot", f"a number from 0 to {whole.rows - 1}", repr(number)
         )
-        must_fit(is_whole(seed), "robot: seed", "a whole number from 0 on", seed)
+        must_fit(is_whole(seed), "robot: seed", "a whole number from 0 on", short(seed))
         must_fit(isinstance(record, RecordSettings | None), "robot: record", "RecordSettings", repr(record))
         self.row, self.name = number, self.names[number]
         scenario = Scenario(self.name, seed, self.mission, start or random_start(self.mission, seed, 0))
@@ -117,9 +117,10 @@ class RobotProcess:
         must_fit(not leads, strategy, "a strategy that chooses options of the robot", "another")
         self._cleans = isinstance(self._task, Cleaning)
         check_cargo(self.worlds.task)
-        must_fit(is_finite(timeout) and timeout >= 0.0, "robot: timeout", "seconds, 0 for that of its model", timeout)
+        fits = is_finite(timeout) and timeout >= 0.0
+        must_fit(fits, "robot: timeout", "seconds, 0 for that of its model", short(timeout))
         may_wait = isinstance(link_timeout, Real) and link_timeout > 0.0
-        must_fit(may_wait, "robot: link_timeout", "more than 0 s", link_timeout)
+        must_fit(may_wait, "robot: link_timeout", "more than 0 s", short(link_timeout))
         self._talk = Talk(self.worlds, self.names, self.row, whole.delivery, self._stands)
         self.ear = self._talk.ear
         self._start(seed, timeout, link_timeout)
@@ -178,7 +179,8 @@ class RobotProcess:
 
     def hear(self, said: Broadcast) -> bool:
         """Take what another robot says, for the next control period; return whether it counts, see `Talk`."""
-        must_fit(isinstance(said, Broadcast), f"{self.name}: hear", "a Broadcast, as `Radio.decode` returns", said)
+        fits = isinstance(said, Broadcast) and isinstance(said.stamp, Real)
+        must_fit(fits, f"{self.name}: hear", "a Broadcast, as `Radio.decode` returns", said)
         return self._talk.hear(said, self._now)
 
     def step(self, now: float) -> Wheels:
@@ -209,7 +211,7 @@ class RobotProcess:
 
     def _end(self, now: float) -> None:
         """End the last control period if `now` [s] is in a later one."""
-        must_fit(is_finite(now), self.name, "a finite time since the mission began", now)
+        must_fit(is_finite(now), self.name, "a finite time since the mission began", short(now))
         worlds, self._now = self.worlds, now
         behind = int(now / worlds.period + EARLY) - worlds.world.tick
         if behind > 0:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence, Set
 from dataclasses import dataclass, field
-from math import isfinite
 from numbers import Integral, Real
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple, cast
 
-from selector.documents.plain import must_fit
+import numpy as np
+
+from selector.documents.plain import must_fit, short
 from selforg.gradients.gradient import Gradient
 
+MOST: Final = 1e15
+"""Numbers below this are taken: clocks count periods exactly up to it."""
 HANDLING = ("PickGarbage", "Recycle", "Dump")
 """What a robot does with items besides driving, by the names of its behaviours."""
 
@@ -26,19 +29,25 @@ class SeenItem(NamedTuple):
     """Whether it has been at a recycling station already."""
 
 
-def is_finite(given: object) -> bool:
-    """Return whether something is a finite number."""
-    return isinstance(given, Real) and isfinite(given)
+def is_finite(given: Any) -> bool:  # noqa: ANN401  (what a caller gives)
+    """Return whether something is a number that is finite, and not absurdly large."""
+    return isinstance(given, Real) and bool(-MOST < cast("float", given) < MOST)
 
 
 def is_whole(given: object) -> bool:
     """Return whether something is a whole number from 0 on."""
-    return isinstance(given, Integral) and int(given) >= 0
+    return isinstance(given, Integral) and not isinstance(given, bool) and int(given) >= 0
 
 
-def are_all(given: object, fits: Callable[[Any], bool]) -> bool:
-    """Return whether something is a tuple, list or other collection of what `fits`."""
-    return isinstance(given, Collection) and all(fits(one) for one in given)
+def is_flag(given: object) -> bool:
+    """Return whether something is True or False."""
+    return isinstance(given, bool | np.bool_)
+
+
+def are_all(given: Any, fits: Callable[[Any], bool]) -> bool:  # noqa: ANN401
+    """Return whether something is a tuple, list or array of what `fits`."""
+    listed = isinstance(given, Collection) and not isinstance(given, str | Set | Mapping)
+    return listed and all(fits(one) for one in given)
 
 
 def is_place(given: Any) -> bool:  # noqa: ANN401  (what a caller gives)
@@ -50,8 +59,8 @@ def are_items(given: object) -> bool:
     """Return whether something is items by their numbers."""
     return (
         isinstance(given, Mapping)
-        and are_all(given, is_whole)
-        and all(isinstance(one, SeenItem) and are_all(one[:2], is_finite) for one in given.values())
+        and all(map(is_whole, given))
+        and all(isinstance(one, SeenItem) and is_place(one[:2]) and is_flag(one[2]) for one in given.values())
     )
 
 
@@ -60,10 +69,11 @@ WIDEST: Final = 7.0
 POSSIBLE: Final[Sequence[tuple[str, str, Callable[[Any], bool]]]] = (
     *((name, "a finite number", is_finite) for name in ("stamp", "x", "y")),
     ("heading", f"radians, from -{WIDEST:g} to {WIDEST:g}", lambda given: is_finite(given) and abs(given) <= WIDEST),
-    ("collisions", "a whole number from 0 on", is_whole),
+    ("collisions", "a whole number from 0 on", lambda given: is_whole(given) and is_finite(given)),
     ("near", "places (x, y)", lambda given: are_all(given, is_place)),
     ("items", "SeenItem by numbers from 0 on", are_items),
     ("cargo", "numbers of items from 0 on", lambda given: are_all(given, is_whole)),
+    ("recycled", "True or False", is_flag),
 )
 """Each field of `Sensed`, what is expected of it, and whether a value is that."""
 
@@ -102,7 +112,7 @@ class Sensed:
         """Check each field, and that they fit together: sensors break."""
         for name, expected, is_possible in POSSIBLE:
             given = getattr(self, name)
-            must_fit(is_possible(given), f"sensed: {name}", expected, repr(given) if isinstance(given, str) else given)
+            must_fit(is_possible(given), f"sensed: {name}", expected, short(given))
         must_fit({*self.items}.isdisjoint(self.cargo), "sensed: cargo", "items that do not lie", self.cargo)
         must_fit(len(self.cargo) > 0 or not self.recycled, "sensed: recycled", "False without cargo", self.recycled)
 

@@ -95,7 +95,7 @@ class RobotNode(Node):
         """Take what else the robot senses, with its pose or without."""
         try:
             self._believe(sensed_in(text.data))
-        except (ValueError, TypeError, AttributeError):  # text of others
+        except (ValueError, TypeError, AttributeError, OverflowError, RecursionError):  # text of others
             self.damaged += 1
 
     def _believe(self, sensed: dict) -> None:

@@ -29,9 +29,9 @@ def writing_to(path: Path, *, anew: bool = False) -> Iterator[None]:
 def check_output(path: Path, endings: Collection[str], *, new: bool = False, hint: str = "") -> None:
     """Raise DocumentError for a file with another ending, or for one that is there where a `new` one is expected.
 
-    The folder of a file is made when it is written.
+    The folder of a file is made when it is written. That of a new file may not be written in capitals.
     """
-    if path.suffix.lower() not in endings:
+    if (path.suffix if new else path.suffix.lower()) not in endings:
         raise DocumentError(f"{path}: expected a name that ends with {', '.join(endings)}{hint}")
     if new and path.exists():
         raise DocumentError(f"{path}: exists already; expected a new file")

@@ -59,9 +59,8 @@ class Prober:
         self._keys: Keys = row_keys(np.random.SeedSequence(0), rows)
         self._decided: Keys = np.zeros(rows, dtype=np.uint64)
         if probing.robots > least:
-            raise DocumentError(
-                f"probing: robots: expected at most {least}, the robots of the team, got {probing.robots}"
-            )
+            expected = f"expected at most {least}, the robots of the smallest team"
+            raise DocumentError(f"probing.robots: {expected}, got {probing.robots}")
         if probing.option is not None:
             must_know("option", probing.option, problem.options, "probing")
         if probing.until is not None:

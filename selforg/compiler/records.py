@@ -77,6 +77,10 @@ class Packed(Generic[Record]):
     def replace(self, record: Record) -> None:
         """Hold another record of the same class from now on; compiled code reads it at the same address."""
         recording: Recording[Record] = Recording.of[type(self.record)]
+        for name in recording.of_rows:
+            had, given = len(getattr(self.record, name)), len(getattr(record, name))
+            if given < had:  # programs were made with its rows
+                raise ValueError(f"{type(record).__name__}.{name}: expected at least {had} rows, got {given}")
         fresh: Any = recording.handle_of(record)
         self.record = record
         if not BY_ADDRESS:

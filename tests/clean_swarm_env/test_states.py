@@ -10,6 +10,7 @@ import pytest
 
 from clean_swarm_env import clean_swarm_v0
 from clean_swarm_env.learning.batch import Batch, run_out
+from clean_swarm_env.learning.interface import BATCH_STATES
 from clean_swarm_env.recording.recorder import RecordSettings
 from clean_swarm_env.world.worlds import Worlds
 from selforg.gradients.buffer import SoBuffer
@@ -69,6 +70,11 @@ def test_a_damaged_state_is_refused_in_one_line_and_changes_nothing(border):
         with pytest.raises(ValueError, match=r"\A[^\n]+\Z"):
             made.set_state(broken)
         assert made.get_state() == own
+
+
+def test_a_state_of_classes_of_other_sources_is_refused_in_one_line():
+    with pytest.raises(ValueError, match=r"\Astate: expected one of the classes that are installed, got [^\n]+\Z"):
+        BORDERS["Batch"]().set_state(sealed(BATCH_STATES, [b"cno_such_module\nState\n."]))
 
 
 @pytest.mark.long

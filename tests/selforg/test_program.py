@@ -130,6 +130,13 @@ def test_an_array_that_is_shorter_than_the_rows_of_its_step_is_one_line(listed, 
         Program(lambda: steps).run(0.2)
 
 
+def test_records_that_replace_others_have_as_many_rows():
+    packed = Packed(Tally(np.zeros(4), 1.0))
+    with pytest.raises(ValueError, match=r"^Tally\.counts: expected at least 4 rows, got 2$"):
+        packed.replace(Tally(np.zeros(2), 1.0))
+    assert len(packed.record.counts) == 4
+
+
 def test_a_stage_can_be_left_out():
     counter = Counter()
     counter.program.run(0.2, bits_of([SENSE]))

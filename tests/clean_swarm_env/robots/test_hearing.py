@@ -61,13 +61,19 @@ def test_a_robot_that_restarted_with_an_old_clock_counts_once_nothing_newer_has_
     assert heard(("robot_1", 500, 99.0), ("robot_2", 0, 70.0)) == ["", ""]  # each robot by itself
 
 
-def test_a_clock_is_wrong_if_more_robots_are_early_than_count():
-    ear = Ear(TEAM, "robot_0")
-    assert ear.refuses(Broadcast("robot_1", 0, 33.0), 5.0) == "early"
-    assert ear.wrong_until == 5.0 + SILENCE
-    assert not ear.refuses(Broadcast("robot_2", 0, 8.0), 8.0)
-    assert ear.refuses(Broadcast("robot_1", 1, 36.0), 8.1) == "early"  # one says so, one does not
-    assert ear.wrong_until == 5.0 + SILENCE
+def test_a_clock_is_wrong_if_more_robots_are_early_than_count_and_two_of_them_agree():
+    ear = Ear(("robot_0", "robot_1", "robot_2", "robot_3", "robot_4"), "robot_0")
+    assert ear.refuses(Broadcast("robot_1", 0, 33.0), 5.0) == "early"  # that one may be wrong itself
+    assert ear.wrong_until < 0.0
+    assert ear.refuses(Broadcast("robot_2", 0, 33.0), 5.1) == "early"
+    assert ear.wrong_until == 5.1 + SILENCE
+    assert not ear.refuses(Broadcast("robot_3", 0, 6.0), 6.0)
+    assert not ear.refuses(Broadcast("robot_4", 0, 6.0), 6.0)
+    assert ear.refuses(Broadcast("robot_1", 1, 34.0), 6.1) == "early"  # two say so, two do not
+    assert ear.wrong_until == 5.1 + SILENCE
+    pair = Ear(TEAM[:2], "robot_0")
+    assert pair.refuses(Broadcast("robot_1", 0, 33.0), 5.0) == "early"
+    assert pair.wrong_until == 5.0 + SILENCE  # neither can know who is wrong
 
 
 def test_a_robot_that_restarted_with_a_clock_of_its_own_stands_and_says_why():

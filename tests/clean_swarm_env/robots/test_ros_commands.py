@@ -63,7 +63,7 @@ def test_without_ros_one_line_says_where_it_comes_from(capsys, monkeypatch):
         (("robot", "nowhere"), "unknown mission or task 'nowhere'"),
         (("robot", "table1", "--name", "an odd name"), "--name: expected robot_0 to robot_4, got 'an odd name'"),
         (("robot", "table1", "--name", "robot_5"), "--name: expected robot_0 to robot_4, got 'robot_5'"),
-        (("swarm", "table1", "--strategy", "fixed:Nothing"), "Nothing"),
+        (("swarm", "table1", "--strategy", "fixed:Nothing"), "unknown option 'Nothing'"),
         (("swarm", "table1", "--course", "/nowhere/x.npy"), "No such file or directory: '/nowhere/x.npy'"),
         (("world", "scouts", "--record", "/proc/x"), "/proc/x"),
     ],

@@ -123,6 +123,11 @@ def live(strategy, steps, order=slice(None)):
     return np.array(chosen)
 
 
+def whole_state(strategy):
+    """Return copies of what a strategy has learned, and of what its random draws depend on."""
+    return {**strategy.learned(), **{name: getattr(strategy, name).copy() for name in ("keys", "counters", "chance")}}
+
+
 def same(first, second):
     assert first.keys() == second.keys()
     for key, value in first.items():
@@ -208,10 +213,10 @@ def test_one_option_is_always_taken(fresh):
 @each_sharing
 def test_no_rows_no_decisions(fresh):
     strategy, nothing = fresh(), np.zeros(0, int)
-    before = strategy.learned()
+    before = whole_state(strategy)
     assert strategy.select(np.zeros((0, FEATURES)), rows=nothing).shape == (0,)
     strategy.update(nothing, np.zeros(0), np.zeros((0, FEATURES)), nothing)
-    same(before, strategy.learned())
+    same(before, whole_state(strategy))
 
 
 REWARDS = np.array([[4, 0, 1, 9], [1.0, 7.0, -1.0, 0.5], [0.25, 3.0, 0.0, 1.0]])  # count, mean, variance
@@ -270,10 +275,10 @@ NONE = np.zeros((ROWS, FEATURES))
 @each_sharing
 def test_what_does_not_fit_is_refused(fresh, use, message):
     strategy = fresh()
-    before = strategy.learned()
+    before = whole_state(strategy)
     with pytest.raises(ValueError, match=message):
         use(strategy)
-    same(before, strategy.learned())
+    same(before, whole_state(strategy))
 
 
 @pytest.mark.parametrize("way", [deepcopy, lambda strategy: pickle.loads(pickle.dumps(strategy))])

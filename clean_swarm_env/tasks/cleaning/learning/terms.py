@@ -193,7 +193,7 @@ class FindsTerm(FeltFinds):
 
 @TERMS.register
 class RecentFindsTerm(FeltFinds):
-    """One flag of the finds of the last 24 s: none; one; half or more within `together` [m] of the latest; apart."""
+    """One flag of what was found in the last 24 s, none; one; half or more within `together` [m] of the last; apart."""
 
     name = "recent_finds"
     components = ("recent_finds_none", "recent_finds_one", "recent_finds_together", "recent_finds_apart")
