@@ -25,9 +25,7 @@ from docs.figures.stored import ROOT, record
 from selector.documents.fields import JOINT
 from selector.knowledge import Option
 from train.advising.evaluation import AdviceEvaluation
-from train.advising.findings import WORTH_LEARNING
 from train.advising.opening import OpenedMission, document_of, open_mission, variants_of
-from train.analysis.flips import ALPHA
 from train.evaluation import pipeline
 from train.request import Request
 from train.running.trial_task import TrialTask
@@ -99,7 +97,7 @@ def variant_of(wide: OpenedMission, goal: str, name: str) -> list[Option]:
 def repeated(mission: str, minutes: float, seeds: range, known: dict[str, Any]) -> list[dict[str, Any]]:
     """Return what advice said with each seed, the kept ones too."""
     found: list[dict[str, Any]] = known.get("advice", []) if known.get("minutes") == minutes else []
-    for seed in seeds[len(found) :]:
+    for seed in seeds[sum(one.get("corrected", False) for one in found) :]:
         with TemporaryDirectory() as place:
             folder = Path(place) / "advice"
             evaluation = AdviceEvaluation(Request(mission, seed=seed, output=folder), minutes)
@@ -108,17 +106,10 @@ def repeated(mission: str, minutes: float, seeds: range, known: dict[str, Any]) 
             said = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
             arm = f"{FIXED}:{JOINT.join(said['held'].values())}"
             told = {name: said[name] for name in ("starts", "missions", "cpu_s", "better", "worth_it", "hindsight")}
-            told |= {"seed": seed, "arm": arm}
+            told |= {"seed": seed, "arm": arm, "corrected": True}
         found.append(told)
         print(mission, found[-1], flush=True)
     return found
-
-
-def unjudged(said: dict[str, Any]) -> bool:
-    """Return whether an advice said that it does not know; earlier ones met a gain then, and did not call it one."""
-    hindsight = said["hindsight"]
-    gains = hindsight is not None and hindsight["ratio"] <= 1.0 - WORTH_LEARNING and hindsight["p"] < ALPHA
-    return said["worth_it"] is None or (bool(said["better"] or gains) and not said["worth_it"])
 
 
 def tables(kept: dict[str, Any]) -> dict[str, str]:
@@ -127,7 +118,7 @@ def tables(kept: dict[str, Any]) -> dict[str, str]:
         "found": [
             "| mission | pairs | starts | best of all | experts | within 1.05 | worst | above the experts | CPU-min |"
         ],
-        "worth": ["| mission | runs | worth it | not shown | not known | starts of the last round | CPU-min |"],
+        "worth": ["| mission | runs | worth it | not worth it | not known | starts of the last round | CPU-min |"],
     }
     for lines in found.values():
         lines.append("|---" * (lines[0].count("|") - 1) + "|")
@@ -145,12 +136,13 @@ def tables(kept: dict[str, Any]) -> dict[str, str]:
                 f"| {mission} | {len(own['excess_s'])} | {starts} | {best:.1f} s | {experts:.1f} s "
                 f"| {near} of {len(told)} | {costs.max() / best:.2f} | {above} | {minutes} |"
             )
-        if told:
-            starts, unknown = [one["starts"] for one in told], sum(map(unjudged, told))
-            worth = sum(bool(one["worth_it"]) for one in told)
+        said = [one for one in told if one.get("corrected")]  # by the rule of today
+        if said:
+            starts, verdicts = [one["starts"] for one in said], [one["worth_it"] for one in said]
             span = f"{min(starts)} to {max(starts)}" if min(starts) < max(starts) else f"{starts[0]}"
-            others = f"{len(told) - worth - unknown} | {unknown}"
-            found["worth"].append(f"| {mission} | {len(told)} | {worth} | {others} | {span} | {minutes} |")
+            counts = " | ".join(str(verdicts.count(verdict)) for verdict in (True, False, None))
+            took = f"{np.mean([one['cpu_s'] for one in said]) / 60.0:.1f}"
+            found["worth"].append(f"| {mission} | {len(said)} | {counts} | {span} | {took} |")
     return {name: "\n".join(lines) for name, lines in found.items()}
 
 
