@@ -12,7 +12,7 @@ import numpy as np
 from selector.documents.plain import must_fit, short
 from selforg.gradients.gradient import Gradient
 
-MOST: Final = 1e15
+NUMBERS_BELOW: Final = 1e15
 """Numbers below this are taken: clocks count periods exactly up to it."""
 HANDLING = ("PickGarbage", "Recycle", "Dump")
 """What a robot does with items besides driving, by the names of its behaviours."""
@@ -31,7 +31,7 @@ class SeenItem(NamedTuple):
 
 def is_finite(given: Any) -> bool:  # noqa: ANN401  (what a caller gives)
     """Return whether something is a number that is finite, and not absurdly large."""
-    return isinstance(given, Real) and bool(-MOST < cast("float", given) < MOST)
+    return isinstance(given, Real) and bool(-NUMBERS_BELOW < cast("float", given) < NUMBERS_BELOW)
 
 
 def is_whole(given: object) -> bool:

@@ -103,7 +103,7 @@ BEGIN = {"robots": 2, "option": "c", "until": "far"}
 @pytest.mark.parametrize(
     ("probing", "words"),
     [
-        (BEGIN | {"robots": 4}, "probing: robots: expected at most 3, the robots of the team, got 4"),
+        (BEGIN | {"robots": 4}, "probing.robots: expected at most 3, the robots of the smallest team, got 4"),
         (BEGIN | {"option": "d"}, "probing: unknown option 'd' (known: a, b, c)"),
         (
             BEGIN | {"until": "heard_news"},
