@@ -16,7 +16,7 @@ QUICK = [
     ("train ppo --config exploring-pp", "did you mean 'exploring-ppo'"),
     ("train es --config ess", "did you mean 'es'"),
     ("explain none --robot 0 --time 1", "none: cannot be read"),
-    (f"report {'long' * 100}", "File name too long" if sys.version_info < (3, 14) else "cannot be read (No such file"),
+    (f"report {'long' * 70}", "File name too long" if sys.version_info < (3, 14) else "cannot be read (No such file"),
     ("record none --output none.swarm", "none: cannot be read"),
     ("replay none --html none.html", "none: cannot be read"),
     ("video none none.webp", "none: cannot be read"),
