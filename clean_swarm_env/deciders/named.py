@@ -29,6 +29,7 @@ from selector.documents.trust import BASELINE, FILED_KINDS, is_import
 from selector.strategies.learned_file import description_of, load_strategy
 from selector.strategies.machine_file import load_machine
 from selector.strategies.policy_file import described, find_policy, load_policy
+from selector.strategies.probing import check_probing
 from selector.strategies.problem import Problem
 from selector.strategies.registry import StrategySpec, named, named_in, spec_from_text
 from selforg.arrays import Ints
@@ -95,9 +96,7 @@ class NamedDecider:
 
     def check_team(self, robots: int) -> None:
         """Raise DocumentError if more robots are to try another option than the smallest team has."""
-        if self.probes > robots:
-            expected = f"expected at most {robots}, the robots of the smallest team"
-            raise ConfigurationError(f"probing.robots: {expected}, got {self.probes}")
+        check_probing(self.probes, robots)
 
     def observation(self, usual: Sequence[str]) -> ObservationConfig:
         """Return what it sees: its own terms, or the `usual` ones of a mission and those it needs."""
@@ -154,11 +153,10 @@ def _baseline(text: str, *_: object) -> NamedDecider:
 def _strategy(text: str, *_: object) -> NamedDecider:
     """Return a registered strategy, or one of the user's own, with parameters."""
     own = named_in(text)[0]
-    if not is_import(own):
-        spec_from_text(text)  # a mistake is told before anything is compiled
+    spec = None if is_import(own) else spec_from_text(text)  # a mistake is told before anything is compiled
 
     def build(problem: Problem, teams: Ints) -> Decider:
-        return StrategyDecider(spec_from_text(text), problem, teams)
+        return StrategyDecider(spec or spec_from_text(text), problem, teams)
 
     digest = _sha256(source_of(own, "strategy")) if is_import(own) else ""
     return NamedDecider(text, build, digest, own)

@@ -35,7 +35,7 @@ from clean_swarm_env.robots.sensed import POSE_BUFFER, Broadcast, Emitted, Sense
 from clean_swarm_env.robots.talking import Talk
 from clean_swarm_env.tasks.cleaning.task import Cleaning
 from selector.documents.errors import within
-from selector.documents.plain import must_fit, short
+from selector.documents.plain import DocumentError, must_fit, short
 from selforg.program import AFTER_MOVING, COMMANDING, COUNTING, DECIDE, LEAD, MOVE, SENSE, STARTING, Program, Step
 
 EARLY: Final = 1e-6
@@ -211,7 +211,8 @@ class RobotProcess:
 
     def _end(self, now: float) -> None:
         """End the last control period if `now` [s] is in a later one."""
-        must_fit(is_finite(now), self.name, "a finite time since the mission began", short(now))
+        if not is_finite(now):
+            raise DocumentError(f"{self.name}: expected a finite time since the mission began, got {short(now)}")
         worlds, self._now = self.worlds, now
         behind = int(now / worlds.period + EARLY) - worlds.world.tick
         if behind > 0:

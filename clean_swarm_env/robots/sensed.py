@@ -9,7 +9,7 @@ from typing import Any, Final, NamedTuple, cast
 
 import numpy as np
 
-from selector.documents.plain import must_fit, short
+from selector.documents.plain import DocumentError, must_fit, short
 from selforg.gradients.gradient import Gradient
 
 NUMBERS_BELOW: Final = 1e15
@@ -112,7 +112,8 @@ class Sensed:
         """Check each field, and that they fit together: sensors break."""
         for name, expected, is_possible in POSSIBLE:
             given = getattr(self, name)
-            must_fit(is_possible(given), f"sensed: {name}", expected, short(given))
+            if not is_possible(given):
+                raise DocumentError(f"sensed: {name}: expected {expected}, got {short(given)}")
         must_fit({*self.items}.isdisjoint(self.cargo), "sensed: cargo", "items that do not lie", self.cargo)
         must_fit(len(self.cargo) > 0 or not self.recycled, "sensed: recycled", "False without cargo", self.recycled)
 

@@ -6,9 +6,9 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import Field, model_validator
 
-from selector.documents.errors import DocumentError, impossible
+from selector.documents.errors import impossible
 from selector.documents.fields import Closed, Flag, JointName, Name, Share
-from selector.documents.plain import must_know
+from selector.documents.plain import must_fit, must_know
 from selector.strategies.choosing import drawn, shares
 from selector.strategies.problem import Problem, must_know_component
 from selector.strategies.streams import Keys, row_keys, uniforms
@@ -37,6 +37,11 @@ class Probing(Closed):
         return self
 
 
+def check_probing(robots: int, least: int) -> None:
+    """Raise DocumentError if more robots are to try another option than the `least` that a team has."""
+    must_fit(robots <= least, "probing.robots", f"at most {least}, the robots of the smallest team", robots)
+
+
 class Prober:
     """Lets some of R rows try other options, by random numbers of their own.
 
@@ -58,9 +63,7 @@ class Prober:
         self.probing, self._first = probing, np.zeros(rows, dtype=np.bool_)
         self._keys: Keys = row_keys(np.random.SeedSequence(0), rows)
         self._decided: Keys = np.zeros(rows, dtype=np.uint64)
-        if probing.robots > least:
-            expected = f"expected at most {least}, the robots of the smallest team"
-            raise DocumentError(f"probing.robots: {expected}, got {probing.robots}")
+        check_probing(probing.robots, least)
         if probing.option is not None:
             must_know("option", probing.option, problem.options, "probing")
         if probing.until is not None:

@@ -12,6 +12,7 @@ import pytest
 from clean_swarm_env.robots.sensed import Broadcast
 from examples.robots import bad_radio
 from examples.robots.bad_reception import BadReception, Faults
+from tests.clean_swarm_env.robots.commands import ended
 from tests.paths import ROOT
 
 COMMAND = "table1", "MaxScore", "1"
@@ -19,12 +20,7 @@ COMMAND = "table1", "MaxScore", "1"
 
 def said_by(words, capsys, monkeypatch):
     """Return the exit code of a command, and what it says."""
-    monkeypatch.setattr(sys, "argv", ["bad_radio", *words])
-    try:
-        code = bad_radio.main()
-    except SystemExit as end:
-        code = end.code
-    return code, capsys.readouterr()
+    return ended(bad_radio.main, ["bad_radio", *words], capsys, monkeypatch)
 
 
 @pytest.mark.parametrize(

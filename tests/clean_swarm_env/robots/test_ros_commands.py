@@ -1,7 +1,6 @@
 """Commands of the nodes of ROS 2: what is wrong is one line, before anything drives; text of others crashes nothing."""
 
 import json
-import sys
 from importlib.util import find_spec
 
 import pytest
@@ -9,16 +8,12 @@ import pytest
 from clean_swarm_env.robots.sensed import SeenItem, Sensed
 from examples.ros import __main__ as command
 from examples.ros.wire import as_text, from_text, sensed_in
+from tests.clean_swarm_env.robots.commands import ended
 
 
 def said_by(words, capsys, monkeypatch):
     """Return the exit code of a command, and what it says."""
-    monkeypatch.setattr(sys, "argv", ["examples.ros", *words])
-    try:
-        code = command.main()
-    except SystemExit as end:
-        code = end.code
-    return code, capsys.readouterr()
+    return ended(command.main, ["examples.ros", *words], capsys, monkeypatch)
 
 
 @pytest.mark.parametrize(
